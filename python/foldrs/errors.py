@@ -1,0 +1,70 @@
+"""Everything foldrs raises on bad input.
+
+Every exception here derives from :class:`FoldrsError`, so one ``except`` catches them all, and from the
+built-in exception a Python user would expect (``ValueError``, ``FileNotFoundError``), so code that knows
+nothing of foldrs behaves as well. Each message says what was wrong and what to do about it.
+"""
+
+from __future__ import annotations
+
+
+class FoldrsError(Exception):
+    """Base of all errors raised by foldrs."""
+
+
+class ImageNotFoundError(FoldrsError, FileNotFoundError):
+    """The image file does not exist or is a folder."""
+
+
+class NotAnImageError(FoldrsError, ValueError):
+    """The file or array cannot be read as an image."""
+
+
+class OutlineError(FoldrsError, ValueError):
+    """No usable outline: base of the errors of stage 0."""
+
+
+class NoGarmentError(OutlineError):
+    """Nothing that stands out from the table (an empty table, or cloth that fills the picture)."""
+
+
+class SeveralGarmentsError(OutlineError):
+    """Two or more objects of like size: which one is meant cannot be told."""
+
+
+class GarmentCutOffError(OutlineError):
+    """The border of the picture cuts the garment."""
+
+
+class GarmentTooSmallError(OutlineError):
+    """The garment covers too few pixels for its shape to be told."""
+
+
+class InvalidOutlineError(OutlineError):
+    """The points are no outline: fewer than three, not finite, without area, or crossing themselves."""
+
+
+class TemplateError(FoldrsError, ValueError):
+    """A template file or object is not valid.
+
+    Attributes
+    ----------
+    field : str
+        The field at fault, for instance ``"landmarks.crotch"``; empty if it is the file as a whole.
+    """
+
+    def __init__(self, message: str, field: str = "") -> None:
+        super().__init__(message)
+        self.field = field
+
+
+class ParameterError(FoldrsError, ValueError):
+    """A parameter is outside its range, for instance a scale of zero pixels a centimetre."""
+
+
+class NoHypothesisError(FoldrsError):
+    """No template offers a single fold that could be compared with the outline."""
+
+
+class GarmentCutOffWarning(UserWarning):
+    """The garment touches the border of the picture a little: its outline may be cut there."""
