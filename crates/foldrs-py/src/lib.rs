@@ -1,1 +1,21 @@
-//! Python bindings.
+//! Python bindings: every function checks and converts its arguments and calls the crate; no geometry here.
+
+mod convert;
+mod fold;
+mod outline;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::fold::{fold_layers, FoldedLayers};
+    #[pymodule_export]
+    use super::outline::{check_outline, nearest_on_outline, resample, sides, signed_area, simplify};
+
+    #[pymodule_init]
+    fn init(m: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        use pyo3::types::PyModuleMethods;
+        m.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,1 +1,28 @@
-//! foldrs
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod crease;
+pub mod error;
+pub mod fold;
+pub mod hypothesis;
+pub mod outline;
+pub mod parameters;
+pub mod partial_match;
+pub mod registration;
+
+mod parallel;
+
+pub use error::{FoldError, OutlineError};
+pub use fold::{fold, Folded, Layer};
+pub use outline::Outline;
+pub use parameters::Parameters;
+
+/// A point of the plane, in image px or template units as the function says.
+pub type Point = nalgebra::Point2<f64>;
+
+/// A displacement in the plane.
+pub type Vector = nalgebra::Vector2<f64>;
+
+/// A directed segment, from its first point to its second; a fold axis or a crease.
+pub type Segment = [Point; 2];

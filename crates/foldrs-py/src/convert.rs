@@ -1,0 +1,42 @@
+//! Arrays to points and back, and errors to `foldrs.errors`.
+
+use foldrs::{FoldError, Outline, OutlineError, Point, Segment};
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
+use pyo3::exceptions::PyValueError;
+use pyo3::import_exception;
+use pyo3::prelude::*;
+
+import_exception!(foldrs.errors, InvalidOutlineError);
+
+/// Points of an (n, 2) array of any memory layout.
+pub(crate) fn points(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Point>> {
+    let view = array.as_array();
+    if view.ncols() != 2 {
+        return Err(PyValueError::new_err(format!("expected an array of shape (n, 2), not ({}, {})", view.nrows(), view.ncols())));
+    }
+    Ok(view.rows().into_iter().map(|r| Point::new(r[0], r[1])).collect())
+}
+
+/// The outline of an (n, 2) array.
+pub(crate) fn outline(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Outline> {
+    Outline::new(points(array)?).map_err(outline_error)
+}
+
+/// The segment of a (2, 2) array.
+pub(crate) fn segment(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Segment> {
+    <Segment>::try_from(points(array)?).map_err(|p| PyValueError::new_err(format!("expected two points, not {}", p.len())))
+}
+
+/// An (n, 2) array of points.
+pub(crate) fn array<'py>(py: Python<'py>, points: &[Point]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let flat: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
+    flat.to_pyarray(py).reshape([points.len(), 2])
+}
+
+pub(crate) fn outline_error(e: OutlineError) -> PyErr {
+    InvalidOutlineError::new_err(e.to_string())
+}
+
+pub(crate) fn fold_error(e: FoldError) -> PyErr {
+    PyValueError::new_err(e.to_string())
+}

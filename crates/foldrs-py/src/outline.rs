@@ -1,0 +1,67 @@
+//! Stage 0: outlines.
+
+use crate::convert::{array, outline, outline_error};
+use foldrs::outline as stage;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+#[pyfunction]
+pub(crate) fn check_outline(points: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+    outline(&points)?.check_simple().map_err(outline_error)
+}
+
+#[pyfunction]
+pub(crate) fn signed_area(points: PyReadonlyArray2<'_, f64>) -> PyResult<f64> {
+    Ok(stage::signed_area(&crate::convert::points(&points)?))
+}
+
+type Nearest<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+#[pyfunction]
+#[pyo3(signature = (points, query))]
+pub(crate) fn nearest_on_outline<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    query: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Nearest<'py>> {
+    let outline = outline(&points)?;
+    let nearest: Vec<stage::Nearest> = crate::convert::points(&query)?.iter().map(|q| outline.nearest(q)).collect();
+    Ok((
+        array(py, &nearest.iter().map(|n| n.point).collect::<Vec<_>>())?,
+        nearest.iter().map(|n| n.distance).collect::<Vec<_>>().to_pyarray(py),
+        nearest.iter().map(|n| n.arc).collect::<Vec<_>>().to_pyarray(py),
+    ))
+}
+
+#[pyfunction]
+pub(crate) fn resample<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    n: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    if n < 3 {
+        return Err(PyValueError::new_err(format!("an outline needs at least three points, n = {n} is too few")));
+    }
+    array(py, &outline(&points)?.resample(n))
+}
+
+#[pyfunction]
+pub(crate) fn simplify<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    tolerance: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let outline = outline(&points)?;
+    let corners: Vec<_> = outline.simplify(tolerance).into_iter().map(|i| outline.points()[i]).collect();
+    array(py, &corners)
+}
+
+#[pyfunction]
+pub(crate) fn sides<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    tolerance: f64,
+) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+    outline(&points)?.sides(tolerance).iter().map(|s| array(py, &s.segment)).collect()
+}

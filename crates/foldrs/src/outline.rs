@@ -1,0 +1,331 @@
+//! Outlines: closed polygons, their arc length, resampling and simplification (section 2.1).
+
+use crate::{OutlineError, Point, Segment};
+
+/// A closed polygon without its first point repeated, with the arc length of every vertex.
+///
+/// The winding is kept as given. Units are those of the points.
+///
+/// ```
+/// use foldrs::{Outline, Point};
+/// let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| Point::new(x, y));
+/// let outline = Outline::new(square.to_vec())?;
+/// assert_eq!(outline.length(), 8.0);
+/// assert_eq!(outline.resample(8)[1], Point::new(1.0, 0.0));
+/// # Ok::<(), foldrs::OutlineError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    points: Vec<Point>,
+    /// Arc length from the first vertex to every vertex, and back to the first: `points.len() + 1` values.
+    arc: Vec<f64>,
+}
+
+/// The nearest point of an outline to some other point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// The point on the outline.
+    pub point: Point,
+    /// Its distance.
+    pub distance: f64,
+    /// Its arc length from the first vertex.
+    pub arc: f64,
+}
+
+/// A side of the simplified outline: a candidate crease (section 2.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side {
+    /// The side itself, in the direction of the outline.
+    pub segment: Segment,
+    /// Arc length of its two ends on the outline; the second is smaller where the side runs over the first vertex.
+    pub arc: [f64; 2],
+}
+
+impl Outline {
+    /// An outline of at least three finite points that enclose an area.
+    ///
+    /// Repeated neighbours are dropped. Crossing edges are not looked for: see [`Outline::check_simple`].
+    ///
+    /// # Errors
+    /// [`OutlineError::TooFewPoints`], [`OutlineError::NotFinite`] or [`OutlineError::NoArea`].
+    pub fn new(mut points: Vec<Point>) -> Result<Self, OutlineError> {
+        if let Some(i) = points.iter().position(|p| !(p.x.is_finite() && p.y.is_finite())) {
+            return Err(OutlineError::NotFinite(i));
+        }
+        points.dedup();
+        while points.len() > 1 && points.first() == points.last() {
+            points.pop();
+        }
+        if points.len() < 3 {
+            return Err(OutlineError::TooFewPoints(points.len()));
+        }
+        let arc = arc_lengths(&points);
+        let outline = Self { points, arc };
+        let extent = outline.length();
+        // Below this the area is rounding noise of the coordinates.
+        if !(outline.signed_area().abs() > 1e-12 * extent * extent) {
+            return Err(OutlineError::NoArea);
+        }
+        Ok(outline)
+    }
+
+    /// Checks that no two edges cross or touch except neighbours at their common vertex.
+    ///
+    /// # Errors
+    /// [`OutlineError::Crossing`] with the indices of the first two edges that meet.
+    pub fn check_simple(&self) -> Result<(), OutlineError> {
+        let n = self.points.len();
+        for i in 0..n {
+            for j in i + 1..n {
+                let neighbours = j == i + 1 || (i == 0 && j == n - 1);
+                if !neighbours && segments_meet(self.edge(i), self.edge(j)) {
+                    return Err(OutlineError::Crossing(i, j));
+                }
+            }
+        }
+        // Neighbours share a vertex; they cross only by running back over each other.
+        for i in 0..n {
+            let ([a, b], [_, c]) = (self.edge(i), self.edge((i + 1) % n));
+            if orientation(&a, &b, &c) == 0.0 && (a - b).dot(&(c - b)) > 0.0 {
+                return Err(OutlineError::Crossing(i, (i + 1) % n));
+            }
+        }
+        Ok(())
+    }
+
+    /// The vertices.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// Arc length from the first vertex to vertex `i`.
+    pub fn arc_of_vertex(&self, i: usize) -> f64 {
+        self.arc[i]
+    }
+
+    /// Edge `i`, from vertex `i` to the next.
+    pub fn edge(&self, i: usize) -> Segment {
+        [self.points[i], self.points[(i + 1) % self.points.len()]]
+    }
+
+    /// Length of the whole outline.
+    pub fn length(&self) -> f64 {
+        self.arc[self.points.len()]
+    }
+
+    /// Enclosed area, positive if the points run from the x axis towards the y axis.
+    pub fn signed_area(&self) -> f64 {
+        signed_area(&self.points)
+    }
+
+    /// Centre of gravity of the enclosed area.
+    pub fn centroid(&self) -> Point {
+        let o = self.points[0];
+        let (mut sum, mut area) = (nalgebra::Vector2::zeros(), 0.0);
+        for i in 0..self.points.len() {
+            let [a, b] = self.edge(i);
+            let (u, v) = (a - o, b - o);
+            let w = u.perp(&v);
+            sum += (u + v) * w;
+            area += w;
+        }
+        o + sum / (3.0 * area)
+    }
+
+    /// The same outline run the other way round, starting at the same vertex.
+    pub fn reversed(&self) -> Self {
+        let mut points = self.points.clone();
+        points[1..].reverse();
+        Self { arc: arc_lengths(&points), points }
+    }
+
+    /// The mirror image over the y axis, winding kept: what is seen when the garment lies on its other face.
+    ///
+    /// Point `i` of the result is the image of point `-i` (modulo the number of points) of this outline.
+    pub fn mirrored(&self) -> Self {
+        let mut points: Vec<Point> = self.points.iter().map(|p| Point::new(-p.x, p.y)).collect();
+        points[1..].reverse();
+        Self { arc: arc_lengths(&points), points }
+    }
+
+    /// The point at arc length `s`, which is taken modulo the length.
+    pub fn at(&self, s: f64) -> Point {
+        let s = s.rem_euclid(self.length());
+        let i = (self.arc.partition_point(|&a| a <= s).max(1) - 1).min(self.points.len() - 1);
+        let [a, b] = self.edge(i);
+        let span = self.arc[i + 1] - self.arc[i];
+        a + (b - a) * ((s - self.arc[i]) / span)
+    }
+
+    /// `n` points at equal arc length, the first at the first vertex.
+    pub fn resample(&self, n: usize) -> Vec<Point> {
+        let step = self.length() / n as f64;
+        let mut edge = 0;
+        (0..n)
+            .map(|k| {
+                let s = k as f64 * step;
+                while edge + 1 < self.points.len() && self.arc[edge + 1] <= s {
+                    edge += 1;
+                }
+                let [a, b] = self.edge(edge);
+                a + (b - a) * ((s - self.arc[edge]) / (self.arc[edge + 1] - self.arc[edge]))
+            })
+            .collect()
+    }
+
+    /// The point of the outline nearest to `q`.
+    pub fn nearest(&self, q: &Point) -> Nearest {
+        let mut best = Nearest { point: self.points[0], distance: f64::INFINITY, arc: 0.0 };
+        for i in 0..self.points.len() {
+            let [a, b] = self.edge(i);
+            let t = foot(&[a, b], q).clamp(0.0, 1.0);
+            let point = a + (b - a) * t;
+            let distance = (q - point).norm();
+            if distance < best.distance {
+                best = Nearest { point, distance, arc: self.arc[i] + t * (self.arc[i + 1] - self.arc[i]) };
+            }
+        }
+        best
+    }
+
+    /// Whether `q` lies inside (even-odd rule; on the outline itself either answer may come).
+    pub fn contains(&self, q: &Point) -> bool {
+        let mut inside = false;
+        for i in 0..self.points.len() {
+            let [a, b] = self.edge(i);
+            if (a.y > q.y) != (b.y > q.y) {
+                let side = orientation(&a, &b, q);
+                inside ^= (side > 0.0) == (b.y > a.y);
+            }
+        }
+        inside
+    }
+
+    /// Vertices kept by Douglas-Peucker simplification: no vertex lies farther than `tolerance` from the result.
+    ///
+    /// A closed outline has no natural end to start from; the two vertices farthest apart are always corners,
+    /// so the result does not depend on where the outline starts. Indices in increasing order.
+    pub fn simplify(&self, tolerance: f64) -> Vec<usize> {
+        let n = self.points.len();
+        let (a, b) = self.farthest_vertices();
+        let mut keep = vec![false; n];
+        keep[a] = true;
+        keep[b] = true;
+        let mut open = vec![(a, b), (b, a + n)];
+        while let Some((from, to)) = open.pop() {
+            let chord = [self.points[from % n], self.points[to % n]];
+            let worst = (from + 1..to)
+                .map(|k| (k, distance_to_segment(&chord, &self.points[k % n])))
+                .fold((from, tolerance), |best, x| if x.1 > best.1 { x } else { best });
+            if worst.0 != from {
+                keep[worst.0 % n] = true;
+                open.extend([(from, worst.0), (worst.0, to)]);
+            }
+        }
+        (0..n).filter(|&i| keep[i]).collect()
+    }
+
+    /// The sides of the simplified outline, in order: the candidate creases (section 2.1).
+    ///
+    /// Every side is the straight line through the points it stands for, which lies truer than the chord between
+    /// two corners that rounding may have moved.
+    pub fn sides(&self, tolerance: f64) -> Vec<Side> {
+        let corners = self.simplify(tolerance);
+        (0..corners.len())
+            .map(|k| {
+                let (i, j) = (corners[k], corners[(k + 1) % corners.len()]);
+                let arc = [self.arc[i], self.arc[j]];
+                Side { segment: self.straightened(arc), arc }
+            })
+            .collect()
+    }
+
+    /// The least-squares line through a stretch of the outline, from the foot of its first point to that of its last.
+    fn straightened(&self, arc: [f64; 2]) -> Segment {
+        const SAMPLES: usize = 24;
+        let span = (arc[1] - arc[0]).rem_euclid(self.length());
+        let ends = [self.at(arc[0]), self.at(arc[1])];
+        // The ends of a side are where corners are rounded: leave a tenth out.
+        let points: Vec<Point> =
+            (0..SAMPLES).map(|k| self.at(arc[0] + span * (0.1 + 0.8 * k as f64 / (SAMPLES - 1) as f64))).collect();
+        let mean = points.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / SAMPLES as f64;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for p in &points {
+            let d = p.coords - mean;
+            xx += d.x * d.x;
+            xy += d.x * d.y;
+            yy += d.y * d.y;
+        }
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+        let direction = nalgebra::Vector2::new(angle.cos(), angle.sin());
+        ends.map(|e| Point::from(mean + direction * direction.dot(&(e.coords - mean))))
+    }
+
+    /// Indices of two vertices that are (nearly) as far apart as any: the smaller first.
+    fn farthest_vertices(&self) -> (usize, usize) {
+        let farthest = |from: usize| {
+            let d = |i: usize| (self.points[i] - self.points[from]).norm_squared();
+            (0..self.points.len()).fold(from, |best, i| if d(i) > d(best) { i } else { best })
+        };
+        // Two hops from any vertex end at a diameter or close to it.
+        let start = farthest(0);
+        let end = farthest(start);
+        (start.min(end), start.max(end))
+    }
+}
+
+/// Arc length from the first point to every point and back to the first.
+fn arc_lengths(points: &[Point]) -> Vec<f64> {
+    let mut arc = Vec::with_capacity(points.len() + 1);
+    let mut s = 0.0;
+    arc.push(s);
+    for i in 0..points.len() {
+        s += (points[(i + 1) % points.len()] - points[i]).norm();
+        arc.push(s);
+    }
+    arc
+}
+
+/// Area enclosed by a closed ring, positive if it runs from the x axis towards the y axis.
+pub fn signed_area(ring: &[Point]) -> f64 {
+    let Some(&o) = ring.first() else { return 0.0 };
+    (1..ring.len().saturating_sub(1)).map(|i| (ring[i] - o).perp(&(ring[i + 1] - o))).sum::<f64>() / 2.0
+}
+
+/// Sign of the turn a, b, c, exact for any coordinates: positive to the left in a y-up frame.
+pub(crate) fn orientation(a: &Point, b: &Point, c: &Point) -> f64 {
+    let coord = |p: &Point| robust::Coord { x: p.x, y: p.y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Position of the foot of `q` on the segment's line: 0 at its first point, 1 at its second.
+pub(crate) fn foot(segment: &Segment, q: &Point) -> f64 {
+    let d = segment[1] - segment[0];
+    let n = d.norm_squared();
+    if n > 0.0 {
+        (q - segment[0]).dot(&d) / n
+    } else {
+        0.0
+    }
+}
+
+pub(crate) fn distance_to_segment(segment: &Segment, q: &Point) -> f64 {
+    let t = foot(segment, q).clamp(0.0, 1.0);
+    (q - (segment[0] + (segment[1] - segment[0]) * t)).norm()
+}
+
+/// Whether two closed segments have a point in common (exact).
+fn segments_meet([a, b]: Segment, [c, d]: Segment) -> bool {
+    let within = |p: &Point, [u, v]: [&Point; 2]| {
+        p.x >= u.x.min(v.x) && p.x <= u.x.max(v.x) && p.y >= u.y.min(v.y) && p.y <= u.y.max(v.y)
+    };
+    let (c1, c2) = (orientation(&a, &b, &c), orientation(&a, &b, &d));
+    let (d1, d2) = (orientation(&c, &d, &a), orientation(&c, &d, &b));
+    if c1 * c2 < 0.0 && d1 * d2 < 0.0 {
+        return true;
+    }
+    (c1 == 0.0 && within(&c, [&a, &b]))
+        || (c2 == 0.0 && within(&d, [&a, &b]))
+        || (d1 == 0.0 && within(&a, [&c, &d]))
+        || (d2 == 0.0 && within(&b, [&c, &d]))
+}

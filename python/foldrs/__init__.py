@@ -1,0 +1,1 @@
+"""Which garment is it, where is it folded, and where to grasp it."""
