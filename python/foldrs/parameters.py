@@ -11,7 +11,217 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class OutlineParameters:
-    """Stage 0: from the photograph to the outline (section 2.1)."""
+    """Stage 0: from the photograph to the outline (section 2.1).
+
+    "Coarse px" are pixels of the picture shrunk to `coarse_side`, "fine px" of the one shrunk to `fine_side`,
+    so that a photograph of any size is treated alike. Colour differences are CIELAB units.
+    """
+
+    coarse_side: int = 320
+    """Longer side of the picture in which the cloth is told from the table, px: sleeves stay 8 px wide."""
+    fine_side: int = 640
+    """Longer side of the picture in which the outline is placed, px: finer adds time, not accuracy."""
+    smoothing: float = 0.8
+    """Blur before colours are compared, coarse px: takes off noise and weave."""
+    frame_share: float = 0.06
+    """Width of the frame along the border taken for table at first, share of the shorter side."""
+    table_degree: int = 2
+    """Degree of the polynomial for the table's colour: enough for vignetting and light from one side."""
+    table_noise: float = 0.7
+    """Least spread of the table's colour, colour difference: what JPEG leaves of a plain table."""
+    table_margin: float = 8.0
+    """Distance from the cloth at which the table is taken as free of its shadow, coarse px."""
+    surprise_limit: float = 40.0
+    """Deviation from the table, in its spreads, beyond which more makes no difference: strong prints on pale
+    cloth must not set the threshold."""
+    least_surprise: float = 5.0
+    """Median deviation of the cloth, in the table's spreads, below which there is no garment."""
+    table_like: float = 2.0
+    """Deviation, in the table's spreads, up to which a pixel outside the first guess is table for certain."""
+    opening: float = 1.0
+    """Radius up to which gaps are closed and threads removed, px: more would fill the gap at a sleeve."""
+    merge_gap: float = 5.0
+    """Gap between parts still taken for one garment (print of the table's colour), coarse px."""
+    part_share: float = 0.1
+    """Parts below this share of the largest are specks and are dropped."""
+    like_size_share: float = 0.5
+    """A second object of this share of the largest makes it unclear which is meant."""
+    cut_rounds: int = 3
+    """Rounds of relearning colours and cutting (GrabCut): two leave pale cloth around a print out."""
+    cut_margin: float = 12.0
+    """Table around the cloth from which its colour (and that of the shadow) is learnt, coarse px."""
+    mixture_samples: int = 2500
+    """Pixels from which a colour mixture is started: more changes nothing."""
+    rim_reach: float = 4.0
+    """Distance the outline may move towards the rim, coarse px in the first pass, then fine px."""
+    rim_gap: float = 3.0
+    """Strip along the outline kept out of the colours at the rim (blur, contact shadow), px as above."""
+    rim_ring: float = 6.0
+    """Width of the strips from which the colours at the rim are learnt, px as above."""
+    rim_window: float = 7.5
+    """Half side of the window in which the colours at the rim are learnt, px as above."""
+    rim_contrast: float = 4.0
+    """Squared contrast of both sides over their variance below which the outline is left where it is."""
+    rim_rounds: int = 2
+    """Moves towards the rim in each pass: after two they are below a pixel."""
+    least_pixels: int = 600
+    """Pixels below which the shape of a garment cannot be told: about 25 x 25."""
+    least_share: float = 0.004
+    """Share of the photograph below which an object is taken for a speck on an empty table."""
+    most_share: float = 0.95
+    """Share of the picture beyond which there is no table to tell the cloth from."""
+    cut_off_share: float = 0.08
+    """Share of the outline on the picture's border beyond which the garment counts as cut off: a sleeve's end
+    is 3 to 5 %, a garment's side 15 % or more."""
+
+
+@dataclass(frozen=True)
+class SideParameters:
+    """Stage 0: sides of the simplified outline, the candidate creases (section 2.1)."""
+
+    tolerances: tuple[float, ...] = (0.02,)
+    """Douglas-Peucker tolerances, as shares of the square root of the outline's area. The axis is one side at 1 to
+    2 % in 99 % of virtual folds of real outlines; the sides of all tolerances are candidates."""
+    shortest: float = 0.08
+    """Sides shorter than this share of the square root of the area are no candidates: so short a fold hardly
+    changes the garment."""
+
+
+@dataclass(frozen=True)
+class PartialMatchParameters:
+    """Stage 1: partial matching by chord angles (section 2.1.1)."""
+
+    points: int = 100
+    """Points on the seen outline; the template gets as many as the same spacing gives. 100 resolve a cuff."""
+    delta: int = 5
+    """Points between a corner and the third point of its chord angle, as in all experiments of its authors."""
+    shortest: int = 14
+    """Points of the shortest piece: must exceed `delta`; below some 12 nearly anything matches."""
+    longest: float = 0.8
+    """Longest piece, as a share of the shorter outline's points."""
+    likeness: float = 0.5
+    """Radians: difference of chord angles at which the likeness of two pieces has fallen to 1/e."""
+    length: float = 20.0
+    """Points at which a piece's length counts 1 - 1/e of the most."""
+    affinity: float = 0.15
+    """Matches of smaller affinity As are dropped."""
+    most: int = 80
+    """At most this many matches a face and scale, the best first."""
+    scales: tuple[float, ...] = (1.02, 1.14, 1.27, 1.4)
+    """Ratios tried when the scale is unknown: one fold hides at most half of the area, so the garment is 1 to
+    1.42 times as large as an equal area says."""
+
+
+@dataclass(frozen=True)
+class HypothesisParameters:
+    """Stage 2: hypotheses about the fold axis and their aggregation (section 2.1.2)."""
+
+    affine_spread: float = 0.15
+    """Share of a piece's extent that it must spread across its main direction for an affine map; a straighter piece
+    leaves the affine map undetermined and gets a similarity."""
+    stretch: float = 1.6
+    """Largest factor by which a map may stretch or shrink beyond the expected scale."""
+    angle_bins: int = 36
+    """Bins over the half circle of axis directions: 5 degrees, the spread of one axis's claims."""
+    distance_bin: float = 0.03
+    """Width of the bins over the axis's distance from the template's centre, as a share of the square root of its
+    area: some 1.5 cm."""
+    confidence: float = 0.01
+    """Hypotheses of less than this share of the best one's confidence are dropped."""
+    most: int = 80
+    """At most this many hypotheses a template are tested, the most confident first."""
+
+
+@dataclass(frozen=True)
+class ShapeContextParameters:
+    """Stage 4: inner-distance shape contexts (Ling & Jacobs 2007)."""
+
+    n_points: int = 100
+    """Points on every outline compared."""
+    n_dist: int = 5
+    """Bins over the logarithm of the distance."""
+    n_theta: int = 12
+    """Bins over the direction of the shortest path's first leg."""
+
+
+@dataclass(frozen=True)
+class AlignmentParameters:
+    """Stage 4: cyclic alignment (Ling & Jacobs 2007)."""
+
+    skip_penalty: float = 0.6
+    """Cost of leaving a point unmatched: theirs of 0.3, for chi-squared without the factor 1/2."""
+    starts: int = 8
+    """Places tried for the first point's partner; then the neighbours of the best. They use 4 to 8."""
+
+
+@dataclass(frozen=True)
+class MatchingParameters:
+    """Stages 1 to 4, as the crate takes them."""
+
+    side: SideParameters = field(default_factory=SideParameters)
+    partial_match: PartialMatchParameters = field(default_factory=PartialMatchParameters)
+    hypothesis: HypothesisParameters = field(default_factory=HypothesisParameters)
+    shape_context: ShapeContextParameters = field(default_factory=ShapeContextParameters)
+    alignment: AlignmentParameters = field(default_factory=AlignmentParameters)
+
+
+@dataclass(frozen=True)
+class FittingParameters:
+    """Stage 5: the fitting stage (section 2.2)."""
+
+    iterations: int = 5
+    """Passes of matching and fitting, as in the paper."""
+    neighbours: int = 11
+    """Np, points of the folded outline (of 100) around each that its similarity is estimated from."""
+    width: float = 0.04
+    """Standard deviation of the Gaussian over the template's arc length, as a share of its perimeter."""
+    whole: float = 1e-4
+    """Weight of every point in every local similarity: a neighbourhood without any moves with the whole."""
+    points: int = 100
+    """Points on the template's sides that lines are fitted to."""
+    visible: float = 0.8
+    """A point takes part in a line if a visible one has at least this weight for it (the nearest has 1)."""
+    tolerance: float = 0.01
+    """Distance from a line up to which a point is on it, as a share of the square root of the area: some 0.5 cm."""
+    fewest: int = 4
+    """Points that a line needs; a side with fewer keeps its registered corners."""
+    trials: int = 50
+    """At most this many pairs of points are tried a line."""
+    certainty: float = 0.99
+    """Probability of having tried a pair of inliers at which no more are tried."""
+    seed: int = 0
+    """Seed of the pairs tried: the same input gives the same output."""
+    least_angle: float = 15.0
+    """Degrees: sides that meet at a smaller angle are nearly parallel, and their corner stays as registered."""
+    largest_shift: float = 0.1
+    """A corner moves at most this far from where it was registered, as a share of the square root of the area."""
+
+
+@dataclass(frozen=True)
+class GraspParameters:
+    """Stage 6: accessible landmarks (section 3.2)."""
+
+    clearance: float = 2.0
+    """Template units (cm): no double layer this near to an accessible landmark. A finger's width."""
+    on_outline: float = 1.0
+    """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
+
+
+@dataclass(frozen=True)
+class AlternativeParameters:
+    """How many explanations are told apart, and how sure each is."""
+
+    candidates: int = 20
+    """The cheapest explanations among which alternatives are looked for."""
+    most: int = 5
+    """At most this many alternatives; further ones hardly ever hold the truth."""
+    same_overlap: float = 0.9
+    """Two explanations whose unfolded outlines overlap this much (intersection over union) and whose creases
+    agree are one."""
+    same_crease: float = 0.05
+    """Area between two creases, as a share of the garment's area, up to which they agree."""
+    temperature: float = 0.03
+    """Difference of cost at which an explanation is 1/e times as probable."""
 
 
 @dataclass(frozen=True)
@@ -19,3 +229,7 @@ class Parameters:
     """Parameters of all stages. ``Parameters()`` holds the defaults."""
 
     outline: OutlineParameters = field(default_factory=OutlineParameters)
+    matching: MatchingParameters = field(default_factory=MatchingParameters)
+    fitting: FittingParameters = field(default_factory=FittingParameters)
+    grasp: GraspParameters = field(default_factory=GraspParameters)
+    alternatives: AlternativeParameters = field(default_factory=AlternativeParameters)

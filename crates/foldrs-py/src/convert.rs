@@ -12,7 +12,11 @@ import_exception!(foldrs.errors, InvalidOutlineError);
 pub(crate) fn points(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Point>> {
     let view = array.as_array();
     if view.ncols() != 2 {
-        return Err(PyValueError::new_err(format!("expected an array of shape (n, 2), not ({}, {})", view.nrows(), view.ncols())));
+        return Err(PyValueError::new_err(format!(
+            "expected an array of shape (n, 2), not ({}, {})",
+            view.nrows(),
+            view.ncols()
+        )));
     }
     Ok(view.rows().into_iter().map(|r| Point::new(r[0], r[1])).collect())
 }
@@ -24,7 +28,8 @@ pub(crate) fn outline(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Outline> {
 
 /// The segment of a (2, 2) array.
 pub(crate) fn segment(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Segment> {
-    <Segment>::try_from(points(array)?).map_err(|p| PyValueError::new_err(format!("expected two points, not {}", p.len())))
+    <Segment>::try_from(points(array)?)
+        .map_err(|p| PyValueError::new_err(format!("expected two points, not {}", p.len())))
 }
 
 /// An (n, 2) array of points.

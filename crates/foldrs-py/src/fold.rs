@@ -1,8 +1,9 @@
 //! Stage 3: virtual folding.
 
-use crate::convert::{array, fold_error, outline, segment};
+use crate::convert::{array, fold_error, outline, points, segment};
 use foldrs::fold::{Folded, Piece};
-use numpy::{PyArray2, PyReadonlyArray2};
+use foldrs::model::Region;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 
 /// An outline folded over an axis, layer by layer.
@@ -35,6 +36,36 @@ impl FoldedLayers {
         array(py, &self.0.outline.points)
     }
 
+    /// Distance of every point from the region where two layers lie over each other; 0 within, inf if there is none.
+    fn distance_to_double_layer<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let double = Region::double_layer(&self.0);
+        let distances: Vec<f64> = self::points(&points)?
+            .iter()
+            .map(|p| double.distance(p))
+            .collect();
+        Ok(distances.to_pyarray(py))
+    }
+
+    /// Rings (even-odd) of the region where two layers lie over each other.
+    #[getter]
+    fn double_layer<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        Region::double_layer(&self.0)
+            .rings
+            .iter()
+            .map(|r| array(py, r))
+            .collect()
+    }
+
+    /// Whether each point of the unfolded outline, given by its arc length, is turned over.
+    fn is_turned<'py>(&self, py: Python<'py>, arc: PyReadonlyArray1<'py, f64>) -> Bound<'py, PyArray1<bool>> {
+        let turned: Vec<bool> = arc.as_array().iter().map(|&s| self.0.is_turned(s)).collect();
+        turned.to_pyarray(py)
+    }
+
     #[getter]
     fn holes(&self) -> usize {
         self.0.holes
@@ -43,6 +74,11 @@ impl FoldedLayers {
 
 #[pyfunction]
 #[pyo3(signature = (outline, axis))]
-pub(crate) fn fold_layers(outline: PyReadonlyArray2<'_, f64>, axis: PyReadonlyArray2<'_, f64>) -> PyResult<FoldedLayers> {
-    foldrs::fold(&self::outline(&outline)?, &segment(&axis)?).map(FoldedLayers).map_err(fold_error)
+pub(crate) fn fold_layers(
+    outline: PyReadonlyArray2<'_, f64>,
+    axis: PyReadonlyArray2<'_, f64>,
+) -> PyResult<FoldedLayers> {
+    foldrs::fold(&self::outline(&outline)?, &segment(&axis)?)
+        .map(FoldedLayers)
+        .map_err(fold_error)
 }

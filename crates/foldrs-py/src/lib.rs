@@ -2,7 +2,10 @@
 
 mod convert;
 mod fold;
+mod matching;
+mod model;
 mod outline;
+mod threads;
 
 use pyo3::prelude::*;
 
@@ -11,7 +14,15 @@ mod _core {
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]
-    use super::outline::{check_outline, nearest_on_outline, resample, sides, signed_area, simplify};
+    use super::matching::{default_parameters, PyCandidate, PyExplanation, PySeen};
+    #[pymodule_export]
+    use super::model::{axis_difference, outline_iou, reflect};
+    #[pymodule_export]
+    use super::outline::{
+        check_outline, nearest_on_outline, points_at, resample, sides, signed_area, simplify,
+    };
+    #[pymodule_export]
+    use super::threads::set_threads;
 
     #[pymodule_init]
     fn init(m: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

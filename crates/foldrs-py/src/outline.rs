@@ -16,7 +16,11 @@ pub(crate) fn signed_area(points: PyReadonlyArray2<'_, f64>) -> PyResult<f64> {
     Ok(stage::signed_area(&crate::convert::points(&points)?))
 }
 
-type Nearest<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+type Nearest<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
 
 #[pyfunction]
 #[pyo3(signature = (points, query))]
@@ -26,10 +30,17 @@ pub(crate) fn nearest_on_outline<'py>(
     query: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Nearest<'py>> {
     let outline = outline(&points)?;
-    let nearest: Vec<stage::Nearest> = crate::convert::points(&query)?.iter().map(|q| outline.nearest(q)).collect();
+    let nearest: Vec<stage::Nearest> = crate::convert::points(&query)?
+        .iter()
+        .map(|q| outline.nearest(q))
+        .collect();
     Ok((
         array(py, &nearest.iter().map(|n| n.point).collect::<Vec<_>>())?,
-        nearest.iter().map(|n| n.distance).collect::<Vec<_>>().to_pyarray(py),
+        nearest
+            .iter()
+            .map(|n| n.distance)
+            .collect::<Vec<_>>()
+            .to_pyarray(py),
         nearest.iter().map(|n| n.arc).collect::<Vec<_>>().to_pyarray(py),
     ))
 }
@@ -41,7 +52,9 @@ pub(crate) fn resample<'py>(
     n: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     if n < 3 {
-        return Err(PyValueError::new_err(format!("an outline needs at least three points, n = {n} is too few")));
+        return Err(PyValueError::new_err(format!(
+            "an outline needs at least three points, n = {n} is too few"
+        )));
     }
     array(py, &outline(&points)?.resample(n))
 }
@@ -53,7 +66,11 @@ pub(crate) fn simplify<'py>(
     tolerance: f64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let outline = outline(&points)?;
-    let corners: Vec<_> = outline.simplify(tolerance).into_iter().map(|i| outline.points()[i]).collect();
+    let corners: Vec<_> = outline
+        .simplify(tolerance)
+        .into_iter()
+        .map(|i| outline.points()[i])
+        .collect();
     array(py, &corners)
 }
 
@@ -63,5 +80,22 @@ pub(crate) fn sides<'py>(
     points: PyReadonlyArray2<'py, f64>,
     tolerance: f64,
 ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
-    outline(&points)?.sides(tolerance).iter().map(|s| array(py, &s.segment)).collect()
+    outline(&points)?
+        .sides(tolerance)
+        .iter()
+        .map(|s| array(py, &s.segment))
+        .collect()
+}
+
+#[pyfunction]
+pub(crate) fn points_at<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    arc: numpy::PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let outline = outline(&points)?;
+    array(
+        py,
+        &arc.as_array().iter().map(|&s| outline.at(s)).collect::<Vec<_>>(),
+    )
 }

@@ -54,7 +54,11 @@ impl Axis {
         if !(length.is_finite() && length > 0.0) {
             return Err(FoldError::NoDirection);
         }
-        Ok(Self { origin: segment[0], direction: d / length, length })
+        Ok(Self {
+            origin: segment[0],
+            direction: d / length,
+            length,
+        })
     }
 
     /// The mirror image of a point.
@@ -96,12 +100,19 @@ impl Axis {
                 }
                 let [a, b] = outline.edge(edge);
                 let position = self.position(&(a + (b - a) * (s / (s - t))));
-                Some(Crossing { position, edge, to_left: t >= 0.0 })
+                Some(Crossing {
+                    position,
+                    edge,
+                    to_left: t >= 0.0,
+                })
             })
             .collect();
         crossings.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.edge.cmp(&b.edge)));
         alternate(&mut crossings)?;
-        Ok(crossings.chunks_exact(2).map(|c| Chord { ends: [c[0], c[1]] }).collect())
+        Ok(crossings
+            .chunks_exact(2)
+            .map(|c| Chord { ends: [c[0], c[1]] })
+            .collect())
     }
 }
 

@@ -82,6 +82,14 @@ impl Folded {
         self.outline.resample(n)
     }
 
+    /// Whether the point of the unfolded outline at an arc length lies on the flap.
+    pub fn is_turned(&self, arc: f64) -> bool {
+        let on = |s: &Source| {
+            s.layer != Layer::Crease && arc >= s.arc[0].min(s.arc[1]) && arc <= s.arc[0].max(s.arc[1])
+        };
+        self.flap.iter().any(|p| p.sources.iter().any(on))
+    }
+
     /// Area of all pieces turned over.
     pub fn flap_area(&self) -> f64 {
         self.flap.iter().map(|p| signed_area(&p.points).abs()).sum()
@@ -103,7 +111,11 @@ impl Piece {
                     i += 1;
                     span = (edge(i)[1] - edge(i)[0]).norm();
                 }
-                let t = if span > 0.0 { ((s - start) / span).min(1.0) } else { 0.0 };
+                let t = if span > 0.0 {
+                    ((s - start) / span).min(1.0)
+                } else {
+                    0.0
+                };
                 let [a, b] = edge(i);
                 let Source { layer, arc } = self.sources[i];
                 let arc = match layer {
@@ -111,7 +123,11 @@ impl Piece {
                     Layer::Crease => arc[1],
                     _ => arc[0] + (arc[1] - arc[0]) * t,
                 };
-                FoldedPoint { point: a + (b - a) * t, layer, arc }
+                FoldedPoint {
+                    point: a + (b - a) * t,
+                    layer,
+                    arc,
+                }
             })
             .collect()
     }
@@ -165,9 +181,21 @@ pub fn fold(outline: &Outline, axis: &Segment) -> Result<Folded, FoldError> {
     if !(flap.iter().map(|p| signed_area(&p.points).abs()).sum::<f64>() > smallest) {
         return Err(FoldError::EmptyFlap);
     }
-    let (union, holes, apart) = unite(&kept, &flap, outline.signed_area() > 0.0).ok_or(FoldError::EmptyFlap)?;
-    let creases = chords.iter().map(|c| [axis.at(c.ends[0].position), axis.at(c.ends[1].position)]).collect();
-    Ok(Folded { axis, creases, kept, flap, outline: union, holes, apart })
+    let (union, holes, apart) =
+        unite(&kept, &flap, outline.signed_area() > 0.0).ok_or(FoldError::EmptyFlap)?;
+    let creases = chords
+        .iter()
+        .map(|c| [axis.at(c.ends[0].position), axis.at(c.ends[1].position)])
+        .collect();
+    Ok(Folded {
+        axis,
+        creases,
+        kept,
+        flap,
+        outline: union,
+        holes,
+        apart,
+    })
 }
 
 /// A vertex of the outline or an end of a creased chord, in the order of the outline.
@@ -187,7 +215,13 @@ fn cut(outline: &Outline, axis: &Axis, chords: &[Chord]) -> (Vec<Piece>, Vec<Pie
             ends[c].push(k);
         }
     }
-    let partner = |k: usize, c: usize| if ends[c][0] == k { ends[c][1] } else { ends[c][0] };
+    let partner = |k: usize, c: usize| {
+        if ends[c][0] == k {
+            ends[c][1]
+        } else {
+            ends[c][0]
+        }
+    };
 
     let mut piece_after = vec![usize::MAX; nodes.len()]; // the piece the stretch from node k to the next belongs to
     let mut pieces = Vec::with_capacity(chords.len() + 1);
@@ -195,12 +229,19 @@ fn cut(outline: &Outline, axis: &Axis, chords: &[Chord]) -> (Vec<Piece>, Vec<Pie
         if piece_after[first] != usize::MAX {
             continue;
         }
-        let mut piece = Piece { points: Vec::new(), sources: Vec::new() };
+        let mut piece = Piece {
+            points: Vec::new(),
+            sources: Vec::new(),
+        };
         let mut k = first;
         loop {
             piece_after[k] = pieces.len();
             let next = (k + 1) % nodes.len();
-            let end = if next == 0 { outline.length() } else { nodes[next].arc };
+            let end = if next == 0 {
+                outline.length()
+            } else {
+                nodes[next].arc
+            };
             piece.push(nodes[k].point, Layer::Kept, [nodes[k].arc, end]);
             k = next;
             if let Some(c) = nodes[k].chord {
@@ -231,11 +272,19 @@ fn nodes(outline: &Outline, axis: &Axis, chords: &[Chord]) -> Vec<Node> {
     let mut nodes = Vec::with_capacity(outline.points().len() + at_edge.len());
     for (i, &point) in outline.points().iter().enumerate() {
         let arc = outline.arc_of_vertex(i);
-        nodes.push(Node { point, arc, chord: None });
+        nodes.push(Node {
+            point,
+            arc,
+            chord: None,
+        });
         if let Some(&(_, c, position)) = at_edge.iter().find(|e| e.0 == i) {
             let crossing = axis.at(position);
             let arc = arc + (crossing - point).norm();
-            nodes.push(Node { point: crossing, arc, chord: Some(c) });
+            nodes.push(Node {
+                point: crossing,
+                arc,
+                chord: Some(c),
+            });
         }
     }
     nodes
@@ -259,7 +308,13 @@ fn turned_pieces(
             [piece_after[(k + nodes.len() - 1) % nodes.len()], piece_after[k]]
         })
         .collect();
-    let longest = (0..chords.len()).fold(0, |best, c| if chords[c].length() > chords[best].length() { c } else { best });
+    let longest = (0..chords.len()).fold(0, |best, c| {
+        if chords[c].length() > chords[best].length() {
+            c
+        } else {
+            best
+        }
+    });
     let k = ends[longest][0];
     let goes_left = chords[longest]
         .ends
@@ -316,7 +371,14 @@ fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize
             for i in 0..n {
                 let (a, b) = (piece.points[i], piece.points[(i + 1) % n]);
                 let data = EdgeId(inputs.len() as u32);
-                overlay.add_edge(InputEdge { a: grid.snap(&a), b: grid.snap(&b), data }, shape);
+                overlay.add_edge(
+                    InputEdge {
+                        a: grid.snap(&a),
+                        b: grid.snap(&b),
+                        data,
+                    },
+                    shape,
+                );
                 inputs.push(([a, b], piece.sources[i]));
             }
         }
@@ -327,10 +389,14 @@ fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize
         .iter()
         .filter_map(|shape| {
             let outer = shape.first()?;
-            Some((outer.iter().map(|e| (grid.back(&e.a), e.data)).collect(), shape.len() - 1))
+            Some((
+                outer.iter().map(|e| (grid.back(&e.a), e.data)).collect(),
+                shape.len() - 1,
+            ))
         })
         .collect();
-    let largest = (0..rings.len()).max_by(|&a, &b| area(&rings[a].0).abs().total_cmp(&area(&rings[b].0).abs()))?;
+    let largest =
+        (0..rings.len()).max_by(|&a, &b| area(&rings[a].0).abs().total_cmp(&area(&rings[b].0).abs()))?;
     let apart = rings.len() - 1;
     let (mut ring, holes) = rings.swap_remove(largest);
     if (area(&ring) > 0.0) != positive {
@@ -343,7 +409,10 @@ fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize
         }
     }
     let n = ring.len();
-    let mut piece = Piece { points: Vec::with_capacity(n), sources: Vec::with_capacity(n) };
+    let mut piece = Piece {
+        points: Vec::with_capacity(n),
+        sources: Vec::with_capacity(n),
+    };
     for i in 0..n {
         let (a, id) = ring[i];
         let b = ring[(i + 1) % n].0;
@@ -352,7 +421,11 @@ fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize
             let t = foot(edge, p).clamp(0.0, 1.0);
             source.arc[0] + t * (source.arc[1] - source.arc[0])
         };
-        let arc = if source.layer == Layer::Crease { crease_arc(edge, source, &a, &b) } else { [on(&a), on(&b)] };
+        let arc = if source.layer == Layer::Crease {
+            crease_arc(edge, source, &a, &b)
+        } else {
+            [on(&a), on(&b)]
+        };
         piece.push(a, source.layer, arc);
     }
     Some((piece, holes, apart))
@@ -378,7 +451,10 @@ impl Grid {
             high = Point::new(high.x.max(p.x), high.y.max(p.y));
         }
         let half = ((high.x - low.x).max(high.y - low.y) / 2.0).max(f64::MIN_POSITIVE);
-        Self { centre: nalgebra::center(&low, &high), scale: f64::from(1 << 29) / half }
+        Self {
+            centre: nalgebra::center(&low, &high),
+            scale: f64::from(1 << 29) / half,
+        }
     }
 
     fn snap(&self, p: &Point) -> IntPoint<i32> {

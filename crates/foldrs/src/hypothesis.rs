@@ -51,7 +51,13 @@ impl SampledFace {
     /// Samples an outline with `n` points.
     pub fn new(face: Face, outline: &Outline, sides: Vec<Side>, n: usize, delta: usize) -> Self {
         let points = outline.resample(n);
-        Self { face, angles: ChordAngles::new(&points, delta), points, sides, length: outline.length() }
+        Self {
+            face,
+            angles: ChordAngles::new(&points, delta),
+            points,
+            sides,
+            length: outline.length(),
+        }
     }
 
     /// Whether point `i` lies within the side (ends excluded).
@@ -78,8 +84,12 @@ impl SampledFace {
 
 /// Share of an axis that lies inside the template, as the paper's Rs = exp(-L_out / L_in) (eq. 1).
 pub fn inside_score(axis: &Segment, template: &Outline) -> f64 {
-    let Ok(line) = Axis::new(axis) else { return 0.0 };
-    let Ok(chords) = line.chords(template) else { return 0.0 };
+    let Ok(line) = Axis::new(axis) else {
+        return 0.0;
+    };
+    let Ok(chords) = line.chords(template) else {
+        return 0.0;
+    };
     let inside: f64 = chords.iter().map(|c| c.overlap(0.0, line.length)).sum();
     if inside > 0.0 {
         (-(line.length - inside).max(0.0) / inside).exp()
@@ -111,16 +121,34 @@ pub fn hypotheses(
             let a_s = if length == m.length {
                 m.affinity
             } else {
-                let d = piece_difference(&seen.angles, start % seen.points.len(), &sampled.angles, template_start, length);
+                let d = piece_difference(
+                    &seen.angles,
+                    start % seen.points.len(),
+                    &sampled.angles,
+                    template_start,
+                    length,
+                );
                 affinity(length, d, matching)
             };
-            let from: Vec<Point> = (0..length).map(|k| seen.points[(start + k) % seen.points.len()]).collect();
-            let to: Vec<Point> = (0..length).map(|k| sampled.points[(template_start + k) % sampled.points.len()]).collect();
-            let Some(map) = map_piece(&from, &to, scale, parameters) else { continue };
+            let from: Vec<Point> = (0..length)
+                .map(|k| seen.points[(start + k) % seen.points.len()])
+                .collect();
+            let to: Vec<Point> = (0..length)
+                .map(|k| sampled.points[(template_start + k) % sampled.points.len()])
+                .collect();
+            let Some(map) = map_piece(&from, &to, scale, parameters) else {
+                continue;
+            };
             let axis = side.segment.map(|p| map.apply(&p));
             let confidence = a_s * inside_score(&axis, template);
             if confidence > 0.0 {
-                found.push(Hypothesis { axis, confidence, side: index, face: seen.face, map });
+                found.push(Hypothesis {
+                    axis,
+                    confidence,
+                    side: index,
+                    face: seen.face,
+                    map,
+                });
             }
         }
     }
@@ -129,10 +157,17 @@ pub fn hypotheses(
 
 /// The affine map of a piece, or its similarity where the piece is too straight to tell more, or the affine map
 /// stretches too much; `None` if the similarity does so as well.
-fn map_piece(from: &[Point], to: &[Point], scale: f64, parameters: &HypothesisParameters) -> Option<PlaneMap> {
+fn map_piece(
+    from: &[Point],
+    to: &[Point],
+    scale: f64,
+    parameters: &HypothesisParameters,
+) -> Option<PlaneMap> {
     let fits = |map: &PlaneMap| {
         let [most, least] = map.stretch();
-        most <= scale * parameters.stretch && least >= scale / parameters.stretch && map.linear.determinant() > 0.0
+        most <= scale * parameters.stretch
+            && least >= scale / parameters.stretch
+            && map.linear.determinant() > 0.0
     };
     if roundness(from) >= parameters.affine_spread {
         if let Some(map) = PlaneMap::affine(from, to, None).filter(fits) {
@@ -147,7 +182,11 @@ fn map_piece(from: &[Point], to: &[Point], scale: f64, parameters: &HypothesisPa
 /// Axes are points of an image over direction and distance from the template's centre. The image closes on itself:
 /// half a turn on, the same line has the opposite distance. Connected components are merged into their mean, weighted
 /// by confidence.
-pub fn aggregate(found: &[Hypothesis], template: &Outline, parameters: &HypothesisParameters) -> Vec<Hypothesis> {
+pub fn aggregate(
+    found: &[Hypothesis],
+    template: &Outline,
+    parameters: &HypothesisParameters,
+) -> Vec<Hypothesis> {
     let centre = template.centroid();
     let width = parameters.distance_bin * template.signed_area().abs().sqrt();
     let bins = parameters.angle_bins as i64;
@@ -162,7 +201,12 @@ pub fn aggregate(found: &[Hypothesis], template: &Outline, parameters: &Hypothes
         }
         let column = ((angle / std::f64::consts::PI * bins as f64) as i64).min(bins - 1);
         let row = (distance / width).floor() as i64;
-        images.entry((h.face, h.side)).or_default().entry((column, row)).or_default().push(k);
+        images
+            .entry((h.face, h.side))
+            .or_default()
+            .entry((column, row))
+            .or_default()
+            .push(k);
     }
     let mut merged: Vec<Hypothesis> = images
         .into_values()
@@ -170,7 +214,9 @@ pub fn aggregate(found: &[Hypothesis], template: &Outline, parameters: &Hypothes
         .filter_map(|members| mean_hypothesis(found, &members))
         .collect();
     merged.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    let floor = merged.first().map_or(0.0, |h| h.confidence * parameters.confidence);
+    let floor = merged
+        .first()
+        .map_or(0.0, |h| h.confidence * parameters.confidence);
     merged.retain(|h| h.confidence >= floor);
     merged.truncate(parameters.most);
     merged
@@ -186,7 +232,11 @@ fn components(mut image: BTreeMap<(i64, i64), Vec<usize>>, bins: i64) -> Vec<Vec
             for (dc, dr) in (-1..=1).flat_map(|dc| (-1..=1).map(move |dr| (dc, dr))) {
                 let (c, r) = (column + dc, row + dr);
                 // Half a turn on, distance d falls into the bin of -d: row r becomes -r - 1.
-                let next = if (0..bins).contains(&c) { (c, r) } else { (c.rem_euclid(bins), -r - 1) };
+                let next = if (0..bins).contains(&c) {
+                    (c, r)
+                } else {
+                    (c.rem_euclid(bins), -r - 1)
+                };
                 if let Some(members) = image.remove(&next) {
                     component.extend(members);
                     open.push(next);
@@ -201,17 +251,35 @@ fn components(mut image: BTreeMap<(i64, i64), Vec<usize>>, bins: i64) -> Vec<Vec
 
 /// The mean axis weighted by confidence; the map is that of the most confident member.
 fn mean_hypothesis(found: &[Hypothesis], members: &[usize]) -> Option<Hypothesis> {
-    let best = members.iter().copied().reduce(|a, b| if found[b].confidence > found[a].confidence { b } else { a })?;
+    let best = members.iter().copied().reduce(|a, b| {
+        if found[b].confidence > found[a].confidence {
+            b
+        } else {
+            a
+        }
+    })?;
     let direction = found[best].axis[1] - found[best].axis[0];
     let mut ends = [nalgebra::Vector2::zeros(); 2];
     let mut total = 0.0;
     for &k in members {
-        let Hypothesis { axis: [a, b], confidence, .. } = found[k];
-        let (a, b) = if (b - a).dot(&direction) >= 0.0 { (a, b) } else { (b, a) };
+        let Hypothesis {
+            axis: [a, b],
+            confidence,
+            ..
+        } = found[k];
+        let (a, b) = if (b - a).dot(&direction) >= 0.0 {
+            (a, b)
+        } else {
+            (b, a)
+        };
         ends[0] += a.coords * confidence;
         ends[1] += b.coords * confidence;
         total += confidence;
     }
     let axis = ends.map(|e| Point::from(e / total));
-    Some(Hypothesis { axis, confidence: total, ..found[best] })
+    Some(Hypothesis {
+        axis,
+        confidence: total,
+        ..found[best]
+    })
 }

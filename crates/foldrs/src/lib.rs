@@ -2,19 +2,25 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod alignment;
 pub mod crease;
 pub mod error;
 pub mod fold;
 pub mod hypothesis;
+pub mod inner_distance;
+pub mod matching;
+pub mod model;
 pub mod outline;
 pub mod parameters;
 pub mod partial_match;
 pub mod registration;
+pub mod shape_context;
 
 mod parallel;
 
 pub use error::{FoldError, OutlineError};
 pub use fold::{fold, Folded, Layer};
+pub use matching::{match_folded, Candidate, Matching};
 pub use outline::Outline;
 pub use parameters::Parameters;
 

@@ -136,7 +136,19 @@ impl Outline {
     pub fn reversed(&self) -> Self {
         let mut points = self.points.clone();
         points[1..].reverse();
-        Self { arc: arc_lengths(&points), points }
+        Self {
+            arc: arc_lengths(&points),
+            points,
+        }
+    }
+
+    /// The same outline, reversed if need be so that its signed area is positive.
+    pub fn positive(self) -> Self {
+        if self.signed_area() < 0.0 {
+            self.reversed()
+        } else {
+            self
+        }
     }
 
     /// The mirror image over the y axis, winding kept: what is seen when the garment lies on its other face.
@@ -145,7 +157,10 @@ impl Outline {
     pub fn mirrored(&self) -> Self {
         let mut points: Vec<Point> = self.points.iter().map(|p| Point::new(-p.x, p.y)).collect();
         points[1..].reverse();
-        Self { arc: arc_lengths(&points), points }
+        Self {
+            arc: arc_lengths(&points),
+            points,
+        }
     }
 
     /// The point at arc length `s`, which is taken modulo the length.
@@ -175,14 +190,22 @@ impl Outline {
 
     /// The point of the outline nearest to `q`.
     pub fn nearest(&self, q: &Point) -> Nearest {
-        let mut best = Nearest { point: self.points[0], distance: f64::INFINITY, arc: 0.0 };
+        let mut best = Nearest {
+            point: self.points[0],
+            distance: f64::INFINITY,
+            arc: 0.0,
+        };
         for i in 0..self.points.len() {
             let [a, b] = self.edge(i);
             let t = foot(&[a, b], q).clamp(0.0, 1.0);
             let point = a + (b - a) * t;
             let distance = (q - point).norm();
             if distance < best.distance {
-                best = Nearest { point, distance, arc: self.arc[i] + t * (self.arc[i + 1] - self.arc[i]) };
+                best = Nearest {
+                    point,
+                    distance,
+                    arc: self.arc[i] + t * (self.arc[i + 1] - self.arc[i]),
+                };
             }
         }
         best
@@ -235,7 +258,10 @@ impl Outline {
             .map(|k| {
                 let (i, j) = (corners[k], corners[(k + 1) % corners.len()]);
                 let arc = [self.arc[i], self.arc[j]];
-                Side { segment: self.straightened(arc), arc }
+                Side {
+                    segment: self.straightened(arc),
+                    arc,
+                }
             })
             .collect()
     }
@@ -246,9 +272,13 @@ impl Outline {
         let span = (arc[1] - arc[0]).rem_euclid(self.length());
         let ends = [self.at(arc[0]), self.at(arc[1])];
         // The ends of a side are where corners are rounded: leave a tenth out.
-        let points: Vec<Point> =
-            (0..SAMPLES).map(|k| self.at(arc[0] + span * (0.1 + 0.8 * k as f64 / (SAMPLES - 1) as f64))).collect();
-        let mean = points.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / SAMPLES as f64;
+        let points: Vec<Point> = (0..SAMPLES)
+            .map(|k| self.at(arc[0] + span * (0.1 + 0.8 * k as f64 / (SAMPLES - 1) as f64)))
+            .collect();
+        let mean = points
+            .iter()
+            .fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords)
+            / SAMPLES as f64;
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for p in &points {
             let d = p.coords - mean;
@@ -289,7 +319,10 @@ fn arc_lengths(points: &[Point]) -> Vec<f64> {
 /// Area enclosed by a closed ring, positive if it runs from the x axis towards the y axis.
 pub fn signed_area(ring: &[Point]) -> f64 {
     let Some(&o) = ring.first() else { return 0.0 };
-    (1..ring.len().saturating_sub(1)).map(|i| (ring[i] - o).perp(&(ring[i + 1] - o))).sum::<f64>() / 2.0
+    (1..ring.len().saturating_sub(1))
+        .map(|i| (ring[i] - o).perp(&(ring[i + 1] - o)))
+        .sum::<f64>()
+        / 2.0
 }
 
 /// Sign of the turn a, b, c, exact for any coordinates: positive to the left in a y-up frame.

@@ -2,10 +2,16 @@
 //!
 //! "Share" is a number between 0 and 1; angles are in radians unless a name says degrees.
 
+pub use crate::alignment::AlignmentParameters;
+pub use crate::shape_context::ShapeContextParameters;
 
 /// Parameters of all stages of the crate; [`Default`] gives the values every stage documents.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Parameters {
     /// Stage 0: sides of the outline.
     pub side: SideParameters,
@@ -13,11 +19,19 @@ pub struct Parameters {
     pub partial_match: PartialMatchParameters,
     /// Stage 2: hypotheses.
     pub hypothesis: HypothesisParameters,
+    /// Stage 4: shape contexts.
+    pub shape_context: ShapeContextParameters,
+    /// Stage 4: alignment.
+    pub alignment: AlignmentParameters,
 }
 
 /// Sides of the simplified outline (section 2.1).
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct SideParameters {
     /// Tolerances of the Douglas-Peucker simplification, as shares of the square root of the outline's area. The axis
     /// is one side at 1 to 2 % in 99 % of virtual folds of real outlines; sides of all tolerances are candidates.
@@ -29,13 +43,20 @@ pub struct SideParameters {
 
 impl Default for SideParameters {
     fn default() -> Self {
-        Self { tolerances: vec![0.02], shortest: 0.08 }
+        Self {
+            tolerances: vec![0.02],
+            shortest: 0.08,
+        }
     }
 }
 
 /// Partial matching (section 2.1.1).
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PartialMatchParameters {
     /// Points on the seen outline; the template gets as many as the same spacing gives. 100 resolves a sleeve's cuff.
     pub points: usize,
@@ -77,7 +98,11 @@ impl Default for PartialMatchParameters {
 
 /// Hypotheses about the fold axis (section 2.1.2).
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct HypothesisParameters {
     /// A piece's affine map is used if the spread of its points across their main direction is at least this share
     /// of that along it; a straighter piece leaves the affine map undetermined and gets a similarity.
@@ -97,6 +122,13 @@ pub struct HypothesisParameters {
 
 impl Default for HypothesisParameters {
     fn default() -> Self {
-        Self { affine_spread: 0.15, stretch: 1.6, angle_bins: 36, distance_bin: 0.03, confidence: 0.01, most: 80 }
+        Self {
+            affine_spread: 0.15,
+            stretch: 1.6,
+            angle_bins: 36,
+            distance_bin: 0.03,
+            confidence: 0.01,
+            most: 80,
+        }
     }
 }

@@ -30,7 +30,10 @@ impl ChordAngles {
         let mut at_end = vec![0.0; n * n];
         let mut at_start = vec![0.0; n * n];
         let angle = |corner: usize, to: usize, near: usize| {
-            let (u, v) = (points[to % n] - points[corner % n], points[near % n] - points[corner % n]);
+            let (u, v) = (
+                points[to % n] - points[corner % n],
+                points[near % n] - points[corner % n],
+            );
             u.perp(&v).atan2(u.dot(&v)) as f32
         };
         for i in 0..n {
@@ -39,7 +42,12 @@ impl ChordAngles {
                 at_start[i * n + k] = angle(i, i + k, i + delta);
             }
         }
-        Self { n, delta, at_end, at_start }
+        Self {
+            n,
+            delta,
+            at_end,
+            at_start,
+        }
     }
 
     /// Number of points of the outline.
@@ -55,7 +63,8 @@ impl ChordAngles {
     /// Squared difference of the angles of the pair (`i`, `i + k`) here and (`j`, `j + k`) there.
     fn difference(&self, i: usize, other: &Self, j: usize, k: usize) -> f32 {
         let (a, b) = (i * self.n + k, j * other.n + k);
-        square_wrapped(self.at_end[a] - other.at_end[b]) + square_wrapped(self.at_start[a] - other.at_start[b])
+        square_wrapped(self.at_end[a] - other.at_end[b])
+            + square_wrapped(self.at_start[a] - other.at_start[b])
     }
 }
 
@@ -98,7 +107,13 @@ pub fn affinity(length: usize, difference: f64, parameters: &PartialMatchParamet
 /// Mean squared difference of two pieces by the direct double sum over all pairs of their points.
 ///
 /// What [`partial_matches`] finds for all pieces at once; here for one, and for oracles.
-pub fn piece_difference(seen: &ChordAngles, start: usize, template: &ChordAngles, template_start: usize, length: usize) -> f64 {
+pub fn piece_difference(
+    seen: &ChordAngles,
+    start: usize,
+    template: &ChordAngles,
+    template_start: usize,
+    length: usize,
+) -> f64 {
     let mut sum = 0.0;
     for a in 0..length {
         for k in seen.delta + 1..length - a {
@@ -114,7 +129,11 @@ pub fn piece_difference(seen: &ChordAngles, start: usize, template: &ChordAngles
 /// For every pair of starting points the length of greatest affinity is taken; of matches that overlap along the same
 /// or a neighbouring offset only the best is kept. The structural zeros of the descriptor are left out of the mean.
 /// Time grows with the product of both numbers of points and the longest piece, memory with their product.
-pub fn partial_matches(seen: &ChordAngles, template: &ChordAngles, parameters: &PartialMatchParameters) -> Vec<PartialMatch> {
+pub fn partial_matches(
+    seen: &ChordAngles,
+    template: &ChordAngles,
+    parameters: &PartialMatchParameters,
+) -> Vec<PartialMatch> {
     let (m, n) = (seen.n, template.n);
     let longest = ((m.min(n) as f64 * parameters.longest) as usize).min(m.min(n));
     let shortest = parameters.shortest.max(seen.delta + 2);
@@ -151,8 +170,14 @@ pub fn partial_matches(seen: &ChordAngles, template: &ChordAngles, parameters: &
 /// Differences of the pairs (`i`, `i + k`) and (`j`, `j + k`) for every k below the row's length.
 fn difference_row(seen: &ChordAngles, i: usize, template: &ChordAngles, j: usize, row: &mut [f32]) {
     let k = row.len();
-    let (a, b) = (&seen.at_end[i * seen.n..][..k], &template.at_end[j * template.n..][..k]);
-    let (c, d) = (&seen.at_start[i * seen.n..][..k], &template.at_start[j * template.n..][..k]);
+    let (a, b) = (
+        &seen.at_end[i * seen.n..][..k],
+        &template.at_end[j * template.n..][..k],
+    );
+    let (c, d) = (
+        &seen.at_start[i * seen.n..][..k],
+        &template.at_start[j * template.n..][..k],
+    );
     for ((((r, a), b), c), d) in row.iter_mut().zip(a).zip(b).zip(c).zip(d) {
         *r = square_wrapped(a - b) + square_wrapped(c - d);
     }
@@ -177,7 +202,9 @@ impl LengthWeights {
             likeness: (0..=longest)
                 .map(|l| (1.0 / (angles_within(l, delta).max(1) as f64 * likeness_squared)) as f32)
                 .collect(),
-            weight: (0..=longest).map(|l| (1.0 - (-(l as f64) / parameters.length).exp()).ln() as f32).collect(),
+            weight: (0..=longest)
+                .map(|l| (1.0 - (-(l as f64) / parameters.length).exp()).ln() as f32)
+                .collect(),
             floor: parameters.affinity.ln() as f32,
             likeness_squared,
         }
@@ -196,19 +223,38 @@ impl LengthWeights {
             return PartialMatch::NONE;
         }
         let difference = f64::from(sums[length] * self.likeness[length]) * self.likeness_squared;
-        PartialMatch { start, template_start, length, difference, affinity: f64::from(log).exp() }
+        PartialMatch {
+            start,
+            template_start,
+            length,
+            difference,
+            affinity: f64::from(log).exp(),
+        }
     }
 }
 
 impl PartialMatch {
-    const NONE: Self = Self { start: 0, template_start: 0, length: 0, difference: 0.0, affinity: 0.0 };
+    const NONE: Self = Self {
+        start: 0,
+        template_start: 0,
+        length: 0,
+        difference: 0.0,
+        affinity: 0.0,
+    };
 }
 
 /// Keeps the best of matches that overlap along the same or a neighbouring offset.
-fn select(best: Vec<PartialMatch>, m: usize, n: usize, parameters: &PartialMatchParameters) -> Vec<PartialMatch> {
+fn select(
+    best: Vec<PartialMatch>,
+    m: usize,
+    n: usize,
+    parameters: &PartialMatchParameters,
+) -> Vec<PartialMatch> {
     let mut found: Vec<PartialMatch> = best.into_iter().filter(|p| p.length > 0).collect();
     found.sort_by(|a, b| {
-        b.affinity.total_cmp(&a.affinity).then((a.start, a.template_start).cmp(&(b.start, b.template_start)))
+        b.affinity
+            .total_cmp(&a.affinity)
+            .then((a.start, a.template_start).cmp(&(b.start, b.template_start)))
     });
     let mut kept: Vec<PartialMatch> = Vec::new();
     for p in found {
@@ -260,13 +306,24 @@ mod tests {
 
     #[test]
     fn every_score_is_the_direct_double_sum() {
-        let p = PartialMatchParameters { affinity: 1e-6, most: usize::MAX, likeness: 2.0, ..Default::default() };
-        let (a, b) = (ChordAngles::new(&wobbly(40, 0.3), 5), ChordAngles::new(&wobbly(46, 1.1), 5));
+        let p = PartialMatchParameters {
+            affinity: 1e-6,
+            most: usize::MAX,
+            likeness: 2.0,
+            ..Default::default()
+        };
+        let (a, b) = (
+            ChordAngles::new(&wobbly(40, 0.3), 5),
+            ChordAngles::new(&wobbly(46, 1.1), 5),
+        );
         let found = partial_matches(&a, &b, &p);
         assert!(found.len() > 10);
         for x in &found {
             let direct = piece_difference(&a, x.start, &b, x.template_start, x.length);
-            assert!((x.difference - direct).abs() < 1e-4 * (1.0 + direct), "{x:?} {direct}");
+            assert!(
+                (x.difference - direct).abs() < 1e-4 * (1.0 + direct),
+                "{x:?} {direct}"
+            );
             assert!((x.affinity - affinity(x.length, direct, &p)).abs() < 1e-4);
         }
     }

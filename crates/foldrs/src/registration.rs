@@ -15,7 +15,10 @@ pub struct PlaneMap {
 impl PlaneMap {
     /// The map that leaves every point where it is.
     pub fn identity() -> Self {
-        Self { linear: Matrix2::identity(), offset: Vector::zeros() }
+        Self {
+            linear: Matrix2::identity(),
+            offset: Vector::zeros(),
+        }
     }
 
     /// The image of a point.
@@ -26,7 +29,10 @@ impl PlaneMap {
     /// The map back, if there is one.
     pub fn inverse(&self) -> Option<Self> {
         let linear = self.linear.try_inverse()?;
-        Some(Self { linear, offset: -(linear * self.offset) })
+        Some(Self {
+            linear,
+            offset: -(linear * self.offset),
+        })
     }
 
     /// Largest and smallest factor by which lengths change.
@@ -62,7 +68,9 @@ impl PlaneMap {
 
 /// How far points spread across their main direction, as a share of the spread along it: 0 for points on a line.
 pub fn roundness(points: &[Point]) -> f64 {
-    let Some(moments) = Moments::new(points, points, None) else { return 0.0 };
+    let Some(moments) = Moments::new(points, points, None) else {
+        return 0.0;
+    };
     let m = &moments.spread;
     let (half, root) = (m.trace() / 2.0, ((m.m11 - m.m22) / 2.0).hypot(m.m12));
     if half > 0.0 {
@@ -90,7 +98,12 @@ impl Moments {
         if !(total > 0.0) {
             return None;
         }
-        let mean = |points: &[Point]| (0..count).map(|i| points[i].coords * weight(i)).sum::<Vector2<f64>>() / total;
+        let mean = |points: &[Point]| {
+            (0..count)
+                .map(|i| points[i].coords * weight(i))
+                .sum::<Vector2<f64>>()
+                / total
+        };
         let (f, t) = (mean(from), mean(to));
         let (mut spread, mut cross) = (Matrix2::zeros(), Matrix2::zeros());
         for i in 0..count {
@@ -98,10 +111,18 @@ impl Moments {
             spread += u * u.transpose() * weight(i);
             cross += v * u.transpose() * weight(i);
         }
-        Some(Self { from: f, to: t, spread, cross })
+        Some(Self {
+            from: f,
+            to: t,
+            spread,
+            cross,
+        })
     }
 
     fn with_linear(&self, linear: Matrix2<f64>) -> PlaneMap {
-        PlaneMap { linear, offset: self.to - linear * self.from }
+        PlaneMap {
+            linear,
+            offset: self.to - linear * self.from,
+        }
     }
 }

@@ -1,0 +1,300 @@
+//! Order-preserving matching of two closed outlines by dynamic programming.
+//!
+//! Ling & Jacobs 2007, section 4.3; the correspondences register folded outlines in Mariolis & Malassiotis
+//! 2015, sections 2.1.2 and 2.2.
+
+use crate::shape_context::CostMatrix;
+
+/// Starts tried at once; eight single-precision lanes fill the vector registers of common machines.
+const LANES: usize = 8;
+
+/// Rows between two looks whether the alignment can still beat the bound.
+const ROWS_BETWEEN_LOOKS: usize = 8;
+
+/// How two outlines are aligned.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct AlignmentParameters {
+    /// Cost of leaving a point of either outline unmatched, in the unit of the cost matrix. Two points are
+    /// matched if they cost less than two of it. Ling & Jacobs: 0.3 for the chi-squared statistic with the
+    /// factor 1/2, hence 0.6 without.
+    pub skip_penalty: f64,
+    /// Points of the second outline, evenly spaced, tried as partner of the first one's start. Ling & Jacobs
+    /// use 4 to 8 and find more to change nothing. The neighbours of the best are tried after them.
+    pub starts: usize,
+}
+
+impl Default for AlignmentParameters {
+    fn default() -> Self {
+        Self { skip_penalty: 0.6, starts: 8 }
+    }
+}
+
+/// The cheapest alignment found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alignment {
+    /// Sum of the costs of matched pairs and of the penalties, per row.
+    pub cost: f64,
+    /// Matched points `(row, column)`, rows increasing, columns increasing cyclically.
+    pub pairs: Vec<(u32, u32)>,
+    /// The column where the second outline was cut open.
+    pub start: usize,
+}
+
+/// Aligns the rows' outline with the columns' outline.
+///
+/// Tries evenly spaced starts, then, from the best one, its neighbours while that helps.
+///
+/// With a `bound` only alignments that cost less are of interest; the search ends early if it is out of
+/// reach. `None`: nothing costs less than the bound (at no start whatever if all were abandoned early), or
+/// one of the outlines has no points.
+#[must_use]
+pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<f64>) -> Option<Alignment> {
+    let (n, m) = (cost.rows, cost.columns);
+    if n == 0 || m == 0 {
+        return None;
+    }
+    let penalty = parameters.skip_penalty as f32;
+    let limit = bound.map_or(f32::INFINITY, |bound| (bound * n as f64) as f32);
+    let floor = Floor::new(cost, penalty);
+    if floor.rest[0] >= limit {
+        return None;
+    }
+    let mut search = Search { cost, penalty, floor, limit, total: vec![f32::NAN; m] };
+    let best = search.run(parameters.starts.clamp(1, m))?;
+    let (pairs, total) = trace(cost, penalty, best);
+    let cost = total / n as f64;
+    bound.is_none_or(|bound| cost < bound).then_some(Alignment { cost, pairs, start: best })
+}
+
+/// Costs of the best alignments from given starts (columns), per row.
+#[must_use]
+pub fn alignment_costs(cost: &CostMatrix, parameters: &AlignmentParameters, starts: &[usize]) -> Vec<f64> {
+    let penalty = parameters.skip_penalty as f32;
+    let floor = Floor::new(cost, penalty);
+    starts
+        .chunks(LANES)
+        .flat_map(|starts| {
+            let total = totals(cost, penalty, &pad(starts), &floor, f32::INFINITY);
+            total.into_iter().take(starts.len())
+        })
+        .map(|total| f64::from(total) / cost.rows as f64)
+        .collect()
+}
+
+/// Lower bounds of what the remaining rows cost.
+struct Floor {
+    /// At `i`: of the rows `i, i + 1, ...`, each matched at its best or skipped.
+    rest: Vec<f32>,
+}
+
+impl Floor {
+    fn new(cost: &CostMatrix, penalty: f32) -> Self {
+        let mut rest = vec![0.0; cost.rows + 1];
+        for i in (0..cost.rows).rev() {
+            rest[i] = rest[i + 1] + cost.row(i).iter().copied().fold(penalty, least);
+        }
+        Self { rest }
+    }
+}
+
+/// Search for the best start.
+struct Search<'a> {
+    cost: &'a CostMatrix,
+    penalty: f32,
+    floor: Floor,
+    /// Totals from here on are of no interest.
+    limit: f32,
+    /// Total of every start tried so far, else not a number.
+    total: Vec<f32>,
+}
+
+impl Search<'_> {
+    fn run(&mut self, starts: usize) -> Option<usize> {
+        let m = self.cost.columns;
+        let gap = m.div_ceil(starts);
+        // Cutting the outline k points further on breaks at most k pairs, each for two penalties.
+        let slack = 2.0 * self.penalty * gap.div_ceil(2) as f32;
+        let spread: Vec<usize> = (0..starts).map(|k| k * m / starts).collect();
+        self.evaluate(&spread, self.limit + slack);
+        let mut best = self.best()?;
+        let reach = LANES / 2;
+        let mut stride = gap.div_ceil(2).div_ceil(reach);
+        while stride > 0 {
+            let mut neighbours: Vec<usize> = (1..=reach)
+                .flat_map(|k| [(best + k * stride) % m, (best + m - k * stride % m) % m])
+                .filter(|&start| self.total[start].is_nan())
+                .collect();
+            neighbours.sort_unstable();
+            neighbours.dedup();
+            self.evaluate(&neighbours, self.total[best]);
+            let better = self.best()?;
+            if better == best {
+                stride /= 2;
+            }
+            best = better;
+        }
+        Some(best)
+    }
+
+    fn evaluate(&mut self, starts: &[usize], limit: f32) {
+        for starts in starts.chunks(LANES) {
+            let total = totals(self.cost, self.penalty, &pad(starts), &self.floor, limit);
+            for (&start, total) in starts.iter().zip(total) {
+                self.total[start] = total;
+            }
+        }
+    }
+
+    /// The cheapest start so far, the first of equals; none if all were abandoned.
+    fn best(&self) -> Option<usize> {
+        (0..self.total.len()).filter(|&start| self.total[start] < f32::INFINITY).reduce(|best, start| {
+            if self.total[start] < self.total[best] {
+                start
+            } else {
+                best
+            }
+        })
+    }
+}
+
+/// Fills up to [`LANES`] starts by repeating the last one.
+fn pad(starts: &[usize]) -> [usize; LANES] {
+    std::array::from_fn(|lane| starts[lane.min(starts.len() - 1)])
+}
+
+/// Total costs from several starts in increasing order; infinite if none of them can stay below `limit`.
+///
+/// Every lane runs from its own start around to it again, row by row. All are at the same column at a time:
+/// those past their start in the current row, the others still in the row before. So no costs need to be
+/// gathered, and what a lane needs of its last row is always in the cell it is about to fill.
+fn totals(cost: &CostMatrix, penalty: f32, starts: &[usize; LANES], floor: &Floor, limit: f32) -> Lanes {
+    let (n, m) = (cost.rows, cost.columns);
+    let mut front = Front::new(m, starts, penalty);
+    let mut totals = [0.0; LANES];
+    for i in 0..=n {
+        // The pass after the last row serves the lanes that still finish it.
+        let (row, before) = (cost.row(i.min(n - 1)), cost.row(i.saturating_sub(1)));
+        let mut column = 0;
+        for lane in 0..LANES {
+            front.advance(lane, row, before, column..starts[lane]);
+            column = starts[lane];
+            totals[lane] = front.left[lane];
+            front.left[lane] = (i + 1) as f32 * penalty;
+            front.diagonal[lane] = i as f32 * penalty;
+        }
+        front.advance(LANES, row, before, column..m);
+        let look = i % ROWS_BETWEEN_LOOKS == ROWS_BETWEEN_LOOKS - 1 && limit < f32::INFINITY;
+        if look && i < n && front.least().min(i as f32 * penalty) + floor.rest[i + 1] >= limit {
+            return [f32::INFINITY; LANES];
+        }
+    }
+    totals
+}
+
+type Lanes = [f32; LANES];
+
+/// Where the dynamic programme has got to, for several starts.
+struct Front {
+    /// For every column the least cost up to the last cell computed there.
+    line: Vec<Lanes>,
+    /// Least costs up to the cell before the next one, in the same row and in the row before.
+    left: Lanes,
+    diagonal: Lanes,
+    penalty: f32,
+}
+
+impl Front {
+    /// Before the first row. Lanes short of their start finish a row that skips all columns.
+    fn new(m: usize, starts: &[usize; LANES], penalty: f32) -> Self {
+        let skipped = |count: usize| count as f32 * penalty;
+        let line =
+            (0..m).map(|j| starts.map(|s| if j < s { f32::INFINITY } else { skipped(j + 1 - s) })).collect();
+        Self { line, left: starts.map(|s| skipped(m - s)), diagonal: [f32::INFINITY; LANES], penalty }
+    }
+
+    /// Moves over some columns; the first `ahead` lanes are in `row`, the others in the one `before`.
+    fn advance(&mut self, ahead: usize, row: &[f32], before: &[f32], columns: std::ops::Range<usize>) {
+        let mask: [u32; LANES] = std::array::from_fn(|lane| if lane < ahead { u32::MAX } else { 0 });
+        let (mut left, mut diagonal, penalty) = (self.left, self.diagonal, self.penalty);
+        let (row, before) = (&row[columns.clone()], &before[columns.clone()]);
+        for ((cell, &ahead), &behind) in self.line[columns].iter_mut().zip(row).zip(before) {
+            let above = *cell;
+            for lane in 0..LANES {
+                let cost = (ahead.to_bits() & mask[lane]) | (behind.to_bits() & !mask[lane]);
+                let here = least(diagonal[lane] + f32::from_bits(cost), above[lane] + penalty);
+                left[lane] = least(here, left[lane] + penalty);
+            }
+            *cell = left;
+            diagonal = above;
+        }
+        self.left = left;
+        self.diagonal = diagonal;
+    }
+
+    /// Lower bound of what any lane has cost so far, unless it skipped all rows.
+    fn least(&self) -> f32 {
+        self.line
+            .iter()
+            .fold(self.diagonal, |low, cell| std::array::from_fn(|lane| least(low[lane], cell[lane])))
+            .into_iter()
+            .fold(f32::INFINITY, least)
+    }
+}
+
+/// The smaller one; unlike `f32::min` a single instruction.
+fn least(a: f32, b: f32) -> f32 {
+    if a < b {
+        a
+    } else {
+        b
+    }
+}
+
+/// Pairs and total of the best alignment from one start.
+fn trace(cost: &CostMatrix, penalty: f32, start: usize) -> (Vec<(u32, u32)>, f64) {
+    #[derive(Clone, Copy)]
+    enum Step {
+        Match,
+        SkipRow,
+        SkipColumn,
+    }
+    let (n, m) = (cost.rows, cost.columns);
+    let mut steps = vec![Step::SkipColumn; n * m];
+    let mut line: Vec<f32> = (0..=m).map(|j| j as f32 * penalty).collect();
+    for (i, steps) in steps.chunks_exact_mut(m).enumerate() {
+        let mut diagonal = line[0];
+        let mut left = (i + 1) as f32 * penalty;
+        line[0] = left;
+        let (head, tail) = cost.row(i).split_at(start);
+        for ((cell, step), c) in line[1..].iter_mut().zip(steps).zip(tail.iter().chain(head)) {
+            let (skip, which) = if *cell < left { (*cell, Step::SkipRow) } else { (left, Step::SkipColumn) };
+            (left, *step) = if diagonal + c < skip + penalty {
+                (diagonal + c, Step::Match)
+            } else {
+                (skip + penalty, which)
+            };
+            diagonal = *cell;
+            *cell = left;
+        }
+    }
+    let (mut i, mut j) = (n, m);
+    let mut pairs = Vec::with_capacity(n.min(m));
+    let mut total = 0.0;
+    while i > 0 && j > 0 {
+        match steps[(i - 1) * m + j - 1] {
+            Step::Match => {
+                (i, j) = (i - 1, j - 1);
+                let column = (start + j) % m;
+                total += f64::from(cost.row(i)[column]);
+                pairs.push((i as u32, column as u32));
+            }
+            Step::SkipRow => i -= 1,
+            Step::SkipColumn => j -= 1,
+        }
+    }
+    pairs.reverse();
+    total += f64::from(penalty) * (n + m - 2 * pairs.len()) as f64;
+    (pairs, total)
+}

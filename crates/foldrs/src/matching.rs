@@ -1,0 +1,335 @@
+//! The matching stage (section 2.1): from an outline and templates to the fold axis.
+//!
+//! [`match_folded`] is its table of contents.
+
+use crate::alignment::{align, Alignment};
+use crate::crease::Axis;
+use crate::fold::{fold, Folded, FoldedPoint, Layer};
+use crate::hypothesis::{aggregate, hypotheses, Face, Hypothesis, SampledFace};
+use crate::inner_distance::inner_distances;
+use crate::outline::Side;
+use crate::parameters::Parameters;
+use crate::partial_match::partial_matches;
+use crate::registration::PlaneMap;
+use crate::shape_context::{chi_squared, shape_contexts, ShapeContexts};
+use crate::{parallel, Outline, Point, Segment};
+
+/// All that depends on the seen outline alone, prepared once for all templates and iterations.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    outline: Outline,
+    points: Vec<Point>,
+    contexts: ShapeContexts,
+    mirrored_contexts: ShapeContexts,
+    faces: [SampledFace; 2],
+}
+
+/// A fold of a template compared with the seen outline.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Index of the template.
+    pub template: usize,
+    /// The hypothesis tested.
+    pub hypothesis: Hypothesis,
+    /// Matching cost: the cheapest alignment of the folded template with the seen outline, either face up.
+    pub cost: f64,
+    /// The face of the cheapest alignment.
+    pub face: Face,
+}
+
+/// What the matching stage found.
+#[derive(Debug, Clone)]
+pub struct Matching {
+    /// All tested hypotheses of all templates, the cheapest first.
+    pub candidates: Vec<Candidate>,
+    /// For every template the cost of matching it unfolded: a fold is accepted only if it costs less.
+    pub unfolded: Vec<f64>,
+}
+
+/// A candidate laid over the seen outline.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// Equally spaced points of the folded template, with their origin on the unfolded one.
+    pub folded: Vec<FoldedPoint>,
+    /// For every one of them the index of its partner among the seen points, if it has one.
+    pub partner: Vec<Option<usize>>,
+    /// Least-squares map of the folded template onto the seen outline; reflecting if the garment shows its other face.
+    pub to_seen: PlaneMap,
+    /// The crease on the seen outline: the mapped axis, laid on the side that claims it.
+    pub crease: Segment,
+    /// Matching cost.
+    pub cost: f64,
+}
+
+/// Matches a seen outline to templates (section 2.1).
+///
+/// `scale` is the number of seen units (px) a template unit; `None` if unknown, then several are tried.
+/// The result does not depend on the number of threads.
+pub fn match_folded(
+    seen: &Seen,
+    templates: &[Outline],
+    scale: Option<f64>,
+    parameters: &Parameters,
+) -> Matching {
+    let claims = claim_axes(seen, templates, scale, parameters);
+    let mut candidates: Vec<Candidate> = parallel::map(&claims, |(template, hypothesis)| {
+        test(seen, *template, &templates[*template], hypothesis, parameters)
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost)); // stable: like costs keep the order of confidence
+    let unfolded = parallel::map(templates, |t| {
+        let points = t.clone().positive().resample(parameters.shape_context.n_points);
+        compare(seen, &points, parameters).map_or(f64::INFINITY, |(_, a)| a.cost)
+    });
+    Matching { candidates, unfolded }
+}
+
+impl Seen {
+    /// Prepares an outline, in any units.
+    pub fn new(outline: Outline, parameters: &Parameters) -> Self {
+        let outline = outline.positive();
+        let points = outline.resample(parameters.shape_context.n_points);
+        let contexts = shape_contexts(&points, &inner_distances(&points), &parameters.shape_context);
+        let sides = creases_of(&outline, parameters);
+        let mirror_sides = sides.iter().map(|s| mirrored_side(s, outline.length())).collect();
+        let PartialParameters { points: n, delta, .. } = parameters.partial_match;
+        let faces = [
+            SampledFace::new(Face::Seen, &outline, sides, n, delta),
+            SampledFace::new(Face::Mirrored, &outline.mirrored(), mirror_sides, n, delta),
+        ];
+        Self {
+            mirrored_contexts: contexts.mirrored(),
+            contexts,
+            points,
+            faces,
+            outline,
+        }
+    }
+
+    /// The outline, wound positively.
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
+    /// The equally spaced points that are aligned.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// The candidate creases.
+    pub fn sides(&self) -> &[Side] {
+        &self.faces[0].sides
+    }
+}
+
+use crate::parameters::PartialMatchParameters as PartialParameters;
+
+/// The sides of the outline that are long enough to be a crease, at every tolerance.
+fn creases_of(outline: &Outline, parameters: &Parameters) -> Vec<Side> {
+    let unit = outline.signed_area().abs().sqrt();
+    let mut sides: Vec<Side> = Vec::new();
+    for tolerance in &parameters.side.tolerances {
+        for side in outline.sides(tolerance * unit) {
+            let length = (side.segment[1] - side.segment[0]).norm();
+            if length >= parameters.side.shortest * unit && !sides.iter().any(|s| s.arc == side.arc) {
+                sides.push(side);
+            }
+        }
+    }
+    sides
+}
+
+/// The side on the mirrored outline.
+fn mirrored_side(side: &Side, length: f64) -> Side {
+    let [a, b] = side.segment.map(|p| Point::new(-p.x, p.y));
+    let back = |s: f64| (length - s).rem_euclid(length);
+    Side {
+        segment: [b, a],
+        arc: [back(side.arc[1]), back(side.arc[0])],
+    }
+}
+
+/// Partial matches of both faces at every scale, and the hypotheses they make, aggregated a template.
+fn claim_axes(
+    seen: &Seen,
+    templates: &[Outline],
+    scale: Option<f64>,
+    parameters: &Parameters,
+) -> Vec<(usize, Hypothesis)> {
+    let mut jobs = Vec::new();
+    for (t, template) in templates.iter().enumerate() {
+        let equal_area = (seen.outline.signed_area() / template.signed_area()).abs().sqrt();
+        let scales = match scale {
+            Some(s) => vec![s],
+            None => parameters
+                .partial_match
+                .scales
+                .iter()
+                .map(|r| r * equal_area)
+                .collect(),
+        };
+        for scale in scales {
+            jobs.extend(seen.faces.iter().map(|face| (t, template, scale, face)));
+        }
+    }
+    let found = parallel::map(&jobs, |&(t, template, scale, face)| {
+        let spacing = face.length / face.points.len() as f64;
+        // A template far larger or smaller than what is seen cannot be it; the bound keeps the cost bounded.
+        let n = (template.length() * scale / spacing)
+            .round()
+            .clamp(20.0, 4.0 * face.points.len() as f64) as usize;
+        let sampled = SampledFace::new(
+            Face::Seen,
+            &template.clone().positive(),
+            Vec::new(),
+            n,
+            parameters.partial_match.delta,
+        );
+        let matches = partial_matches(&face.angles, &sampled.angles, &parameters.partial_match);
+        let claims = hypotheses(
+            face,
+            template,
+            &sampled,
+            &matches,
+            1.0 / scale,
+            &parameters.partial_match,
+            &parameters.hypothesis,
+        );
+        (t, claims)
+    });
+    let mut by_template = vec![Vec::new(); templates.len()];
+    for (t, claims) in found {
+        by_template[t].extend(claims);
+    }
+    let mut all = Vec::new();
+    for (t, claims) in by_template.iter().enumerate() {
+        all.extend(
+            aggregate(claims, &templates[t], &parameters.hypothesis)
+                .into_iter()
+                .map(|h| (t, h)),
+        );
+    }
+    all
+}
+
+/// Folds the template over the axis and compares the outlines; `None` if the axis does not fold it.
+fn test(
+    seen: &Seen,
+    index: usize,
+    template: &Outline,
+    hypothesis: &Hypothesis,
+    parameters: &Parameters,
+) -> Option<Candidate> {
+    let axis = creased_extent(&fold(template, &hypothesis.axis).ok()?);
+    let hypothesis = Hypothesis { axis, ..*hypothesis };
+    let points: Vec<Point> = folded_points(template, &axis, parameters)?
+        .iter()
+        .map(|p| p.point)
+        .collect();
+    let (face, alignment) = compare(seen, &points, parameters)?;
+    Some(Candidate {
+        template: index,
+        hypothesis,
+        cost: alignment.cost,
+        face,
+    })
+}
+
+/// The axis cut to what it creases: from where it enters the outline first to where it leaves it last.
+fn creased_extent(folded: &Folded) -> Segment {
+    match folded.creases.as_slice() {
+        [first, .., last] => [first[0], last[1]],
+        [only] => *only,
+        [] => [folded.axis.origin, folded.axis.at(folded.axis.length)],
+    }
+}
+
+/// Equally spaced points of the folded template, wound positively; `None` if the axis does not fold it.
+fn folded_points(template: &Outline, axis: &Segment, parameters: &Parameters) -> Option<Vec<FoldedPoint>> {
+    let mut points = fold(template, axis)
+        .ok()?
+        .resample(parameters.shape_context.n_points);
+    if template.signed_area() < 0.0 {
+        points.reverse();
+    }
+    Some(points)
+}
+
+/// The cheapest alignment of equally spaced points with the seen outline, either face up.
+fn compare(seen: &Seen, points: &[Point], parameters: &Parameters) -> Option<(Face, Alignment)> {
+    let contexts = shape_contexts(points, &inner_distances(points), &parameters.shape_context);
+    let mut best: Option<(Face, Alignment)> = None;
+    for (face, other) in [
+        (Face::Seen, &seen.contexts),
+        (Face::Mirrored, &seen.mirrored_contexts),
+    ] {
+        let bound = best.as_ref().map(|b| b.1.cost);
+        if let Some(alignment) = align(&chi_squared(&contexts, other), &parameters.alignment, bound) {
+            best = Some((face, alignment));
+        }
+    }
+    best
+}
+
+/// Lays a fold of a template over the seen outline: correspondences, map and crease.
+///
+/// `None` if the axis does not fold the template, or too few points correspond.
+pub fn explain(
+    seen: &Seen,
+    template: &Outline,
+    axis: &Segment,
+    side: Option<&Side>,
+    parameters: &Parameters,
+) -> Option<Explanation> {
+    let folded = folded_points(template, axis, parameters)?;
+    let points: Vec<Point> = folded.iter().map(|p| p.point).collect();
+    let (face, alignment) = compare(seen, &points, parameters)?;
+    let n = seen.points.len();
+    let mut partner = vec![None; points.len()];
+    for &(row, column) in &alignment.pairs {
+        let j = column as usize;
+        partner[row as usize] = Some(if face == Face::Seen { j } else { (n - j) % n });
+    }
+    let to_seen = map_to_seen(&points, &partner, seen, face)?;
+    let mapped = axis.map(|p| to_seen.apply(&p));
+    let crease = match side.and_then(|s| Axis::new(&s.segment).ok()) {
+        Some(line) => mapped.map(|p| line.at(line.position(&p))),
+        None => mapped,
+    };
+    Some(Explanation {
+        folded,
+        partner,
+        to_seen,
+        crease,
+        cost: alignment.cost,
+    })
+}
+
+/// The similarity of the folded template onto the seen outline, reflecting for the mirrored face.
+fn map_to_seen(points: &[Point], partner: &[Option<usize>], seen: &Seen, face: Face) -> Option<PlaneMap> {
+    let flip = |p: &Point| {
+        if face == Face::Seen {
+            *p
+        } else {
+            Point::new(-p.x, p.y)
+        }
+    };
+    let (from, to): (Vec<Point>, Vec<Point>) = points
+        .iter()
+        .zip(partner)
+        .filter_map(|(p, j)| Some((*p, flip(&seen.points[(*j)?]))))
+        .unzip();
+    let mut map = PlaneMap::similarity(&from, &to, None)?;
+    if face == Face::Mirrored {
+        map.linear.row_mut(0).neg_mut();
+        map.offset.x = -map.offset.x;
+    }
+    Some(map)
+}
+
+/// Share of the folded points that lie on the crease; for reports.
+pub fn crease_share(folded: &[FoldedPoint]) -> f64 {
+    folded.iter().filter(|p| p.layer == Layer::Crease).count() as f64 / folded.len().max(1) as f64
+}

@@ -1,0 +1,153 @@
+"""The compiled module: thin bindings of the Rust crate.
+
+Outlines are (n, 2) float64 arrays of points in order, closed implicitly, in any units. An axis is a (2, 2) array
+of two points; its left is the side towards which the direction x turns to y.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Points = NDArray[np.float64]
+
+__version__: str
+
+def set_threads(threads: int | None = None) -> int:
+    """Set the size of the thread pool unless it is in use already; return the size it has."""
+
+def default_parameters() -> dict[str, Any]:
+    """Parameters of the crate's stages with their defaults, grouped by stage."""
+
+def check_outline(points: _Points) -> None:
+    """Raise InvalidOutlineError unless the points are a simple polygon with an area."""
+
+def signed_area(points: _Points) -> float:
+    """Area, positive if the points run from the x axis towards the y axis."""
+
+def nearest_on_outline(points: _Points, query: _Points) -> tuple[_Points, _Points, _Points]:
+    """Return for k query points the (k, 2) nearest points of the outline, their distances and their arc lengths."""
+
+def points_at(points: _Points, arc: _Points) -> _Points:
+    """Points (k, 2) of the outline at k arc lengths from its first vertex."""
+
+def resample(points: _Points, n: int) -> _Points:
+    """Return n points at equal arc length, the first at the first vertex."""
+
+def simplify(points: _Points, tolerance: float) -> _Points:
+    """Corners of the Douglas-Peucker simplification of a closed outline."""
+
+def sides(points: _Points, tolerance: float) -> list[_Points]:
+    """Sides (2, 2) of the simplified outline, each the straight line through the points it stands for."""
+
+def reflect(points: _Points, axis: _Points) -> _Points:
+    """Mirror image of points over the axis's line."""
+
+def axis_difference(a: _Points, b: _Points) -> float:
+    """Area of the convex hull of the four end points of two axes."""
+
+def outline_iou(a: _Points, b: _Points) -> float:
+    """Intersection over union of two outlines."""
+
+class FoldedLayers:
+    """An outline folded over an axis, layer by layer."""
+
+    @property
+    def kept(self) -> list[_Points]:
+        """The pieces that stayed in place."""
+    @property
+    def flap(self) -> list[_Points]:
+        """The pieces that were turned over, where they lie now."""
+    @property
+    def creases(self) -> list[_Points]:
+        """The creased chords (2, 2), in the order of the axis."""
+    @property
+    def outline(self) -> _Points:
+        """Outline of the union of all layers."""
+    @property
+    def holes(self) -> int:
+        """Number of holes the outline encloses."""
+    @property
+    def double_layer(self) -> list[_Points]:
+        """Rings (even-odd) of the region where two layers lie over each other."""
+    def distance_to_double_layer(self, points: _Points) -> _Points:
+        """Distance of every point from the double layer; 0 within it, inf if there is none."""
+    def is_turned(self, arc: _Points) -> NDArray[np.bool_]:
+        """Whether points of the unfolded outline, given by arc length, are on the flap."""
+
+def fold_layers(outline: _Points, axis: _Points) -> FoldedLayers:
+    """Turn over what hangs on the left of the chords that the axis segment covers (section 2.1.2).
+
+    Raises
+    ------
+    ValueError
+        If the axis has no direction, or does not fold the outline.
+    """
+
+class Seen:
+    """A seen outline prepared for matching; all that depends on it alone is computed once."""
+
+    def __new__(cls, points: _Points, parameters: Mapping[str, Any]) -> Seen: ...
+    @property
+    def points(self) -> _Points:
+        """The equally spaced points that are aligned, wound positively."""
+    @property
+    def sides(self) -> list[_Points]:
+        """The candidate creases (2, 2)."""
+    def matches(
+        self, templates: Sequence[_Points], scale: float | None = None
+    ) -> tuple[list[Candidate], list[float]]:
+        """Match against templates: all folds tested, cheapest first, and the cost of every template unfolded.
+
+        `scale` is the number of seen units a template unit, if known.
+        """
+    def explain(self, template: _Points, candidate: Candidate) -> Explanation | None:
+        """Lay a fold of a template over the seen outline."""
+
+class Candidate:
+    """A fold of a template compared with the seen outline."""
+
+    @property
+    def template(self) -> int:
+        """Index of the template."""
+    @property
+    def axis(self) -> _Points:
+        """The axis (2, 2) on the template."""
+    @property
+    def cost(self) -> float:
+        """Matching cost."""
+    @property
+    def confidence(self) -> float:
+        """Summed confidence Cs of the hypotheses that claimed it."""
+    @property
+    def side(self) -> int:
+        """Index of the side that claimed it."""
+    @property
+    def mirrored(self) -> bool:
+        """Whether the mirrored outline matched better."""
+
+class Explanation:
+    """A fold of a template laid over the seen outline."""
+
+    @property
+    def folded(self) -> _Points:
+        """Equally spaced points of the folded template, template units."""
+    @property
+    def layer(self) -> NDArray[np.uint8]:
+        """Layer of every folded point: 0 kept, 1 flap, 2 crease."""
+    @property
+    def arc(self) -> _Points:
+        """Arc length of every folded point on the unfolded template."""
+    @property
+    def partner(self) -> NDArray[np.int64]:
+        """Index of every folded point's partner among the seen points; -1 for none."""
+    @property
+    def to_seen(self) -> _Points:
+        """The (2, 3) similarity of the folded template onto the seen outline; reflecting for the other face."""
+    @property
+    def crease(self) -> _Points:
+        """The crease (2, 2) on the seen outline."""
+    @property
+    def cost(self) -> float:
+        """Matching cost."""

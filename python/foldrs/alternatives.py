@@ -1,0 +1,50 @@
+"""Distinct explanations and how probable each is.
+
+Two explanations are the same if they predict the same in the image: the same crease, and the same garment when
+unfolded (or its mirror image over the crease: which part was turned over which cannot be told). So the mirror
+twins of a symmetric template count once, whatever its symmetry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from foldrs import _core
+from foldrs.explanation import Explanation
+from foldrs.parameters import AlternativeParameters
+from foldrs.result import Alternative
+
+
+def distinct(explanations: Sequence[Explanation], parameters: AlternativeParameters) -> list[Explanation]:
+    """The cheapest of every group of like explanations, in the order given (cheapest first)."""
+    kept: list[Explanation] = []
+    for one in explanations:
+        if len(kept) == parameters.most:
+            break
+        if not any(alike(one, other, parameters) for other in kept):
+            kept.append(one)
+    return kept
+
+
+def alike(one: Explanation, other: Explanation, parameters: AlternativeParameters) -> bool:
+    """Whether two explanations of a kind predict the same."""
+    if one.template.garment_type != other.template.garment_type:
+        return False
+    a, b = one.outline_image, other.outline_image
+    area = abs(_core.signed_area(a))
+    if _core.axis_difference(one.crease, other.crease) > parameters.same_crease * area:
+        return False
+    twin = _core.reflect(b, other.crease)
+    return max(_core.outline_iou(a, b), _core.outline_iou(a, twin)) >= parameters.same_overlap
+
+
+def with_probabilities(explanations: Sequence[Explanation], parameters: AlternativeParameters) -> tuple[Alternative, ...]:
+    """The explanations with probabilities that fall exponentially with cost and sum to 1."""
+    cost = np.array([e.cost for e in explanations])
+    weight = np.exp(-(cost - cost.min()) / parameters.temperature)
+    return tuple(
+        Alternative(e.template.garment_type, float(p), e.fold, e.fitted)
+        for e, p in zip(explanations, weight / weight.sum(), strict=True)
+    )

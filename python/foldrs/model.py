@@ -1,0 +1,67 @@
+"""Stage 6, the polygon model of the folded garment and its grasp points (section 3).
+
+The model is the fitted template's polygon in the image with the crease (eq. 3 and 4). Folding it says which
+landmarks lie on the flap, where the layers overlap, and which landmarks a gripper can reach.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from foldrs import _core
+from foldrs.explanation import Explanation, apply
+from foldrs.parameters import GraspParameters
+from foldrs.result import GraspPair, LandmarkInImage
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FoldedModel:
+    """The augmented polygon model [F_axis | L0] (eq. 4), in image px."""
+
+    explanation: Explanation
+    px_per_unit: float
+    """Scale of the picture: px a template unit."""
+    parameters: GraspParameters
+
+    @cached_property
+    def unfolded_outline(self) -> Points:
+        """(n, 2) px: the garment unfolded again, its kept part where it lies."""
+        return self.explanation.outline_image
+
+    @cached_property
+    def layers(self) -> _core.FoldedLayers:
+        """The layers of the folded model."""
+        return _core.fold_layers(self.unfolded_outline, self.explanation.crease)
+
+    @cached_property
+    def landmarks(self) -> Mapping[str, LandmarkInImage]:
+        """Every landmark where it lies now, and whether it is accessible (section 3.2).
+
+        Accessible: on the folded outline, and no double layer within a radius.
+        """
+        names = list(self.explanation.fitted.landmarks)
+        unfolded = apply(self.explanation.to_image, np.array([self.explanation.fitted.landmarks[n] for n in names]))
+        _, _, arc = _core.nearest_on_outline(self.unfolded_outline, unfolded)
+        turned = self.layers.is_turned(arc)
+        now = np.where(turned[:, None], _core.reflect(unfolded, self.explanation.crease), unfolded)
+        _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, now)
+        clear = self.layers.distance_to_double_layer(now) > self.parameters.clearance * self.px_per_unit
+        reachable = clear & (off_outline <= self.parameters.on_outline * self.px_per_unit)
+        return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, reachable, strict=True)}
+
+    @cached_property
+    def grasp_pairs(self) -> tuple[GraspPair, ...]:
+        """The template's grasp pairs of which both points are accessible, in its order of preference."""
+        marks = self.landmarks
+        return tuple(
+            GraspPair((a, b), np.array([marks[a].image, marks[b].image]))
+            for a, b in self.explanation.template.grasp_pairs
+            if marks[a].accessible and marks[b].accessible
+        )

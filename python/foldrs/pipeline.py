@@ -1,0 +1,145 @@
+"""The method, from a photograph to grasp points: :func:`fit` is its table of contents."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from foldrs import _core
+from foldrs.alternatives import distinct, with_probabilities
+from foldrs.errors import NoHypothesisError, ParameterError
+from foldrs.explanation import Explanation
+from foldrs.matching import match
+from foldrs.model import FoldedModel
+from foldrs.outline import find_outline
+from foldrs.parameters import Parameters
+from foldrs.result import FitResult, FittedTemplate
+from foldrs.template import Template, builtin_templates, load_template
+
+Source: TypeAlias = str | os.PathLike[str] | ArrayLike
+Method: TypeAlias = Literal["best", "paper"]
+TemplateLike: TypeAlias = Template | str | os.PathLike[str]
+
+
+def fit(
+    source: Source,
+    *,
+    garment_type: str | None = None,
+    templates: Sequence[TemplateLike] | None = None,
+    px_per_cm: float | None = None,
+    method: Method = "best",
+    mask: Source | None = None,
+    parameters: Parameters | None = None,
+) -> FitResult:
+    """Explain one folded garment: which it is, where it is folded, where its landmarks are.
+
+    Parameters
+    ----------
+    source : path, image array, boolean mask or (n, 2) points
+        A photograph, a mask of the garment, or its outline.
+    garment_type : str, optional
+        Match templates of this kind only; without it all compete and the best one names the kind.
+    templates : sequence of Template or path, optional
+        Use these instead of the built-in ones.
+    px_per_cm : float, optional
+        Known scale, px a template unit. Without it the scale is found.
+    method : {"best", "paper"}
+        The published method, or whatever is most accurate.
+    mask : path or (h, w) array, optional
+        The garment's mask; the photograph is not segmented then.
+    parameters : Parameters, optional
+        Parameters of all stages.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    FoldrsError
+        One of `foldrs.errors`, which says what was wrong with the input.
+    """
+    start = time.perf_counter()
+    parameters = parameters or Parameters()
+    chosen = choose_templates(templates, garment_type)
+    check_scale(px_per_cm)
+
+    found = find_outline(source, mask=mask, parameters=parameters.outline)
+    seen = _core.Seen(found.points, asdict(parameters.matching))
+    segmented = time.perf_counter()
+
+    explanations = match(seen, chosen, px_per_cm, parameters.alternatives.candidates)
+    if not explanations:
+        raise NoHypothesisError(
+            "no fold of any template could be compared with the outline: "
+            "check the scale (px_per_cm) and that the templates are of the garment's kind"
+        )
+    best = distinct(explanations, parameters.alternatives)
+    matched = time.perf_counter()
+
+    return result_of(
+        best,
+        found.points,
+        parameters,
+        image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
+        timings={"outline": segmented - start, "matching": matched - segmented},
+        start=start,
+    )
+
+
+def result_of(
+    explanations: Sequence[Explanation],
+    outline: NDArray[np.float64],
+    parameters: Parameters,
+    *,
+    image: str,
+    timings: dict[str, float],
+    start: float,
+) -> FitResult:
+    """The result for distinct explanations, the chosen one first."""
+    best = explanations[0]
+    px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
+    model = FoldedModel(best, px_per_unit, parameters.grasp)
+    return FitResult(
+        garment_type=best.template.garment_type,
+        accepted=best.accepted,
+        matching_cost=best.cost,
+        original_matching_cost=best.original_cost,
+        outline_image=outline,
+        folds=(best.fold,),
+        original_template=FittedTemplate(best.template.outline, best.template.landmarks, best.original_axis),
+        template=best.fitted,
+        unfolded_outline_image=model.unfolded_outline,
+        landmarks=model.landmarks,
+        grasp_pairs=model.grasp_pairs,
+        alternatives=with_probabilities(explanations, parameters.alternatives),
+        image=image,
+        seconds=time.perf_counter() - start,
+        timings=timings,
+    )
+
+
+def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:
+    """The templates that compete: the given or built-in ones, of one kind if a kind is given."""
+    if templates is None:
+        return list(builtin_templates(garment_type))
+    loaded = [t if isinstance(t, Template) else load_template(t) for t in templates]
+    chosen = [t for t in loaded if garment_type is None or t.garment_type == garment_type]
+    if not chosen:
+        kinds = ", ".join(sorted({t.garment_type for t in loaded})) or "none at all"
+        raise ParameterError(f"no template of kind {garment_type!r} is among those given ({kinds})")
+    return chosen
+
+
+def check_scale(px_per_cm: float | None) -> None:
+    """Raise ParameterError unless the scale is unknown or positive and finite."""
+    if px_per_cm is not None and not (math.isfinite(px_per_cm) and px_per_cm > 0):
+        raise ParameterError(f"px_per_cm must be a positive number of pixels a centimetre, not {px_per_cm}")

@@ -1,0 +1,177 @@
+"""What :func:`foldrs.fit` returns, and its JSON form.
+
+All image coordinates are (x, y) px with y down, an integer being the centre of a pixel; template coordinates
+are in the template's own units (centimetres for the built-in ones). Outlines are closed implicitly.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+SCHEMA = 1
+"""Version of the JSON form."""
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FittedTemplate:
+    """A template with the fold axis on it, in template units."""
+
+    outline: Points
+    """(n, 2) corners."""
+    landmarks: Mapping[str, Points]
+    """Named points of the outline, (2,) each."""
+    axis: Points
+    """(2, 2) end points of the fold axis; the part on its left (from x towards y) is the flap."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """One fold: the crease in the image and the axis on the fitted template."""
+
+    axis_image: Points
+    """(2, 2) px."""
+    axis_template: Points
+    """(2, 2) template units."""
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkInImage:
+    """Where a landmark lies in the image, under a layer or not."""
+
+    image: Points
+    """(2,) px."""
+    accessible: bool
+    """Whether it lies on the outline with no double layer near it (section 3.2)."""
+
+
+@dataclass(frozen=True, eq=False)
+class GraspPair:
+    """Two accessible landmarks to grasp the garment by."""
+
+    landmarks: tuple[str, str]
+    image: Points
+    """(2, 2) px, in the order of the names."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """One of the distinct explanations of the outline."""
+
+    garment_type: str
+    probability: float
+    fold: Fold
+    template: FittedTemplate
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """A folded garment explained.
+
+    `original_template` holds the axis the matching stage found on the template as given, `template` the fitted
+    template with its axis.
+    """
+
+    garment_type: str
+    accepted: bool
+    """Whether the fold explains the outline better than the unfolded template does."""
+    matching_cost: float
+    original_matching_cost: float
+    """Matching cost of the template as given (MC_m of eq. 5); `matching_cost` is that of the fitted one."""
+    outline_image: Points
+    folds: tuple[Fold, ...]
+    """First made first."""
+    original_template: FittedTemplate
+    template: FittedTemplate
+    unfolded_outline_image: Points
+    """(n, 2) px: the garment unfolded again where it lies."""
+    landmarks: Mapping[str, LandmarkInImage]
+    grasp_pairs: tuple[GraspPair, ...]
+    """Accessible pairs, best first."""
+    alternatives: tuple[Alternative, ...]
+    """Distinct explanations, the chosen one first; probabilities sum to at most 1."""
+    image: str = ""
+    """Name of the image file; empty for arrays."""
+    seconds: float = 0.0
+    """Wall time, reading the image included."""
+    timings: Mapping[str, float] = field(default_factory=dict)
+    """Seconds by stage."""
+
+    @property
+    def fold(self) -> Fold:
+        """The last fold made."""
+        return self.folds[-1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain numbers, lists and dictionaries: the JSON form."""
+        return {
+            "schema": SCHEMA,
+            "image": self.image,
+            "seconds": round(self.seconds, 6),
+            "garment_type": self.garment_type,
+            "accepted": self.accepted,
+            "matching_cost": self.matching_cost,
+            "original_matching_cost": self.original_matching_cost,
+            "outline_image": _plain(self.outline_image),
+            "fold": {"axis_image": _plain(self.fold.axis_image)},
+            "folds": [
+                {"axis_image": _plain(f.axis_image), "axis_template": _plain(f.axis_template)} for f in self.folds
+            ],
+            "original_template": _template(self.original_template),
+            "template": _template(self.template),
+            "unfolded_outline_image": _plain(self.unfolded_outline_image),
+            "landmarks": {
+                name: {"image": _plain(mark.image), "accessible": mark.accessible}
+                for name, mark in self.landmarks.items()
+            },
+            "grasp_pairs": [{"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs],
+            "alternatives": [
+                {
+                    "garment_type": a.garment_type,
+                    "probability": a.probability,
+                    "fold": {"axis_image": _plain(a.fold.axis_image)},
+                    "template": _template(a.template),
+                }
+                for a in self.alternatives
+            ],
+            "timings": {stage: round(seconds, 6) for stage, seconds in self.timings.items()},
+        }
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON form, whole or not at all."""
+        write_whole(Path(path), json.dumps(self.to_dict(), separators=(",", ":")).encode())
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file so that no reader ever sees a part of it: beside its place first, then moved there."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _plain(points: Points) -> list[Any]:
+    rounded: list[Any] = np.round(points, 4).tolist()
+    return rounded
+
+
+def _template(template: FittedTemplate) -> dict[str, Any]:
+    return {
+        "outline": _plain(template.outline),
+        "landmarks": {name: _plain(point) for name, point in template.landmarks.items()},
+        "axis": _plain(template.axis),
+    }

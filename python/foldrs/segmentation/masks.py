@@ -1,0 +1,101 @@
+"""Operations on masks that stages of the segmentation share. Masks are (h, w) bool, True for cloth."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import SeveralGarmentsError
+from ..image import Mask
+from ..parameters import OutlineParameters
+
+
+def disc(radius: float) -> npt.NDArray[np.uint8]:
+    """Make a disc of that radius (px), for morphology."""
+    r = max(1, round(radius))
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * r + 1, 2 * r + 1)), np.uint8)
+
+
+def closed(mask: Mask, radius: float) -> Mask:
+    """`mask` with gaps up to twice `radius` closed; the picture's border closes nothing."""
+    pad = max(1, round(radius)) + 1
+    padded = cv2.copyMakeBorder(mask.astype(np.uint8), pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
+    return cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disc(radius))[pad:-pad, pad:-pad] > 0
+
+
+def filled(mask: Mask) -> Mask:
+    """`mask` without holes."""
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    full = np.zeros(mask.shape, np.uint8)
+    cv2.drawContours(full, contours, -1, 1, cv2.FILLED)
+    return full > 0
+
+
+def tidied(mask: Mask, radius: float) -> Mask:
+    """`mask` with gaps of `radius` closed, holes filled and threads of `radius` removed."""
+    whole = filled(closed(mask, radius)).astype(np.uint8)
+    return cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc(radius)) > 0
+
+
+def largest_part(mask: Mask) -> Mask:
+    """Keep the largest connected part of `mask`, if there is any."""
+    labels, areas = _parts(mask)
+    if areas.size == 0:
+        return mask
+    return np.equal(labels, 1 + int(np.argmax(areas)))
+
+
+def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float = 0.0) -> Mask:
+    """Keep the one object of `mask`.
+
+    Parameters
+    ----------
+    mask : (h, w) bool
+    parameters : OutlineParameters
+    merge_gap : float
+        Parts no further apart than about this (px) are one object; print of the table's colour can split
+        a garment. 0 merges nothing.
+
+    Raises
+    ------
+    SeveralGarmentsError
+        A second object is nearly as large.
+    """
+    labels, areas = _parts(mask)
+    if areas.size < 2:
+        return mask
+    if merge_gap > 0 and np.sort(areas)[-2] >= parameters.part_share * areas.max():
+        large = np.concatenate([[False], areas >= parameters.part_share * areas.max()])
+        labels, areas = _parts(filled(closed(large[labels], merge_gap)))
+    ranked = np.sort(areas)[::-1]
+    if areas.size > 1 and ranked[1] >= parameters.like_size_share * ranked[0]:
+        raise SeveralGarmentsError(
+            f"There are several objects of like size ({ranked[0]} and {ranked[1]} pixels): "
+            "leave one garment in the picture, or pass a mask of the one that is meant."
+        )
+    return np.equal(labels, 1 + int(np.argmax(areas)))
+
+
+def resized(mask: Mask, shape: tuple[int, int]) -> Mask:
+    """`mask` brought to another size (h, w), its rim interpolated."""
+    if mask.shape == shape:
+        return mask
+    grey = cv2.resize(mask.astype(np.uint8) * 255, (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
+    return grey > 127
+
+
+def window(mask: Mask, margin: float) -> tuple[slice, slice]:
+    """Rows and columns of the box around a mask that is not empty, `margin` (px) wider on every side."""
+    around = int(np.ceil(margin))
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return (
+        slice(max(0, int(rows[0]) - around), int(rows[-1]) + around + 1),
+        slice(max(0, int(columns[0]) - around), int(columns[-1]) + around + 1),
+    )
+
+
+def _parts(mask: Mask) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Labels of the connected parts (0 outside) and their areas (px) from label 1 on."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    return np.asarray(labels, np.int32), np.asarray(statistics[1:, cv2.CC_STAT_AREA], np.int32)

@@ -1,0 +1,106 @@
+"""What the table looks like: a smooth colour over the picture, and a spread around it.
+
+The smooth part takes up vignetting and light from one side, the spread grain and texture; what neither
+explains is cloth, or its shadow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..image import Mask
+from ..parameters import OutlineParameters
+from .masks import disc, largest_part, tidied
+
+FloatImage = npt.NDArray[np.float32]
+
+_SAMPLE_STEP = 7  # every seventh pixel determines the few coefficients as well as all of them
+_ROUNDS = 6  # of reweighting; it settles in four or five
+
+
+@dataclass(frozen=True)
+class Surprise:
+    """How far every pixel is from the table.
+
+    Attributes
+    ----------
+    difference : (h, w, 3) float32
+        Colour minus the table's colour there.
+    deviation : (h, w) float32
+        The same in spreads of the table's colour (Mahalanobis distance).
+    """
+
+    difference: FloatImage
+    deviation: FloatImage
+
+
+def surprise(lab: FloatImage, table: Mask, parameters: OutlineParameters) -> Surprise:
+    """Compare a picture with the table seen at the pixels `table`, of which a minority may be wrong.
+
+    Parameters
+    ----------
+    lab : (h, w, 3) float32
+        CIELAB.
+    table : (h, w) bool
+        Where (mostly) table is seen.
+    parameters : OutlineParameters
+    """
+    terms = _polynomial_terms(lab.shape[:2], parameters.table_degree)
+    sample = np.flatnonzero(table)[::_SAMPLE_STEP]
+    known_terms, known_colours = terms[sample], lab.reshape(-1, 3)[sample]
+    weights = np.ones(sample.size)
+    ridge = 1e-3 * np.eye(terms.shape[1])
+    for _ in range(_ROUNDS):
+        weighted = known_terms * weights[:, None]
+        coefficients = np.linalg.solve(weighted.T @ known_terms + ridge, weighted.T @ known_colours)
+        residuals = known_colours - known_terms @ coefficients
+        squared = (residuals**2).sum(axis=1)
+        scale = np.median(squared) + parameters.table_noise**2
+        weights = (1 + squared / (4 * scale)) ** -2.0
+    spread = (residuals * weights[:, None]).T @ residuals / weights.sum()
+    spread += parameters.table_noise**2 * np.eye(3)
+    difference = lab - (terms @ coefficients).reshape(lab.shape).astype(np.float32)
+    whitened = difference @ np.linalg.cholesky(np.linalg.inv(spread)).astype(np.float32)
+    return Surprise(difference, np.sqrt((whitened**2).sum(axis=2)))
+
+
+def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Surprise]:
+    """First guess of the cloth: what deviates from the table along the border, then from all of the table.
+
+    Returns
+    -------
+    mask : (h, w) bool
+        All that stands out, in one or more parts; may be empty.
+    surprise : Surprise
+        Distance from the table as finally learnt.
+    """
+    frame = max(2, round(parameters.frame_share * min(lab.shape[:2])))
+    table = np.ones(lab.shape[:2], np.bool_)
+    table[frame:-frame, frame:-frame] = False
+    seen = surprise(lab, table, parameters)
+    cloth = _standing_out(seen.deviation, parameters)
+    near = cv2.dilate(largest_part(cloth).astype(np.uint8), disc(parameters.table_margin)) > 0
+    # Where cloth fills most of the picture the frame remains the better witness of the table.
+    if np.count_nonzero(~near) > np.count_nonzero(table) / 2:
+        seen = surprise(lab, ~near, parameters)
+        cloth = _standing_out(seen.deviation, parameters)
+    return cloth, seen
+
+
+def _standing_out(deviation: FloatImage, parameters: OutlineParameters) -> Mask:
+    """Otsu's threshold, on a logarithmic scale, or pale cloth would be lost beside dark print."""
+    limit = parameters.surprise_limit
+    grey = np.log1p(np.minimum(deviation, limit)) * (255 / np.log1p(limit))
+    _, bright = cv2.threshold(grey.astype(np.uint8), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    return tidied(bright > 0, parameters.opening)
+
+
+def _polynomial_terms(shape: tuple[int, ...], degree: int) -> npt.NDArray[np.float64]:
+    """Terms x^i y^j, i + j <= degree, of every pixel: (h w, terms), x and y from -1 to 1."""
+    y, x = np.mgrid[-1 : 1 : shape[0] * 1j, -1 : 1 : shape[1] * 1j]
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    return np.stack([(x**i * y**j).ravel() for i, j in powers], axis=1)

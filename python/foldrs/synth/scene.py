@@ -1,0 +1,163 @@
+"""One scene, from a flat garment and a seed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from foldrs.errors import FoldrsError, ParameterError
+from foldrs.synth.fold_lines import draw_fold, draw_second_fold
+from foldrs.synth.garment import FlatGarment, Garment, checked, vary
+from foldrs.synth.layers import Fold, Layer, fold_again, fold_flat
+from foldrs.synth.parameters import SynthParameters
+from foldrs.synth.pose import Pose, draw_pose
+from foldrs.synth.raster import LayerMasks, coverage, draw_masks
+from foldrs.synth.render import render
+from foldrs.synth.truth import describe, seen_outline
+
+_TRIES = 40
+"""Garments and folds drawn for one scene before it is given up."""
+
+_JPEG_QUALITY = 95
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A picture of a folded garment and what is true of it.
+
+    Attributes
+    ----------
+    image : ndarray of shape (height, width, 3), uint8
+        RGB.
+    mask : ndarray of shape (height, width), uint8
+        255 where at least half of a pixel is cloth, else 0.
+    truth : dict
+        The ground truth, see :mod:`foldrs.synth.truth`.
+    """
+
+    image: NDArray[np.uint8]
+    mask: NDArray[np.uint8]
+    truth: dict[str, Any]
+
+    def write(self, folder: str | Path, name: str, *, suffix: str = ".jpg") -> Path:
+        """Write ``NAME.jpg`` (or another kind of image), ``NAME.mask.png`` and ``NAME.json``.
+
+        Each file appears whole or not at all, the JSON last.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Where to; made if missing.
+        name : str
+            The scene's name; becomes its ``id``.
+        suffix : {".jpg", ".png"}
+            Kind of image; PNG keeps every grey level.
+
+        Returns
+        -------
+        Path
+            The JSON file.
+
+        Raises
+        ------
+        ParameterError
+            If the suffix is no kind of image known here.
+        """
+        check_suffix(suffix)
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY] if suffix == ".jpg" else []
+        picture = cv2.imencode(suffix, np.ascontiguousarray(self.image[..., ::-1]), quality)[1]
+        _write_whole(folder / f"{name}{suffix}", picture.tobytes())
+        _write_whole(folder / f"{name}.mask.png", cv2.imencode(".png", self.mask)[1].tobytes())
+        truth = {"id": name, "image": f"{name}{suffix}", **self.truth}
+        path = folder / f"{name}.json"
+        _write_whole(path, json.dumps(truth).encode())
+        return path
+
+
+def make_scene(
+    template_or_outline: FlatGarment,
+    *,
+    seed: int | np.random.SeedSequence,
+    parameters: SynthParameters | None = None,
+) -> Scene:
+    """Make one scene.
+
+    Parameters
+    ----------
+    template_or_outline : FlatGarment
+        A template, or a garment made with :func:`foldrs.synth.garment_from_outline`; in centimetres.
+    seed : int or numpy.random.SeedSequence
+        The same seed gives the same scene.
+    parameters : SynthParameters, optional
+        What the scene is like.
+
+    Raises
+    ------
+    ParameterError
+        If the garment cannot be folded, or does not fit into the picture, in the way the parameters ask for,
+        or if the seed is negative.
+    InvalidOutlineError
+        If the garment's outline encloses no area or crosses itself.
+    """
+    parameters = SynthParameters() if parameters is None else parameters
+    if not isinstance(seed, np.random.SeedSequence):
+        if seed < 0:
+            raise ParameterError(f"seed is {seed}: give a whole number from 0 up.")
+        seed = np.random.SeedSequence(seed)
+    rng = np.random.default_rng(seed)
+    garment, folds, layers, pose, masks, outline = _drawn(checked(template_or_outline), rng, parameters)
+    image = render(garment.outline, layers, pose, masks, rng, parameters)
+    mask = np.zeros(image.shape[:2], np.uint8)
+    mask[masks.window] = np.where(coverage(masks.union()) >= 0.5, 255, 0)
+    child = "".join(f".{k}" for k in seed.spawn_key)
+    source = f"foldrs synth {garment.name} seed {seed.entropy}{child}"
+    truth = describe(garment, folds, layers, pose, masks, outline, parameters)
+    return Scene(image, mask, {"source": source, **truth})
+
+
+def _drawn(
+    source: Garment, rng: np.random.Generator, parameters: SynthParameters
+) -> tuple[Garment, list[Fold], list[Layer], Pose, LayerMasks, NDArray[np.float64]]:
+    """Draw garment, folds and pose until all of them go together; what stands in the way last is told."""
+    reason: FoldrsError = ParameterError(
+        "The folded garment falls into pieces, or has a hole, however it is folded."
+    )
+    for _ in range(_TRIES):
+        try:
+            garment = vary(source, rng, parameters)
+            folds = [draw_fold(garment, rng, parameters)]
+            layers = fold_flat(garment.outline, folds[0])
+            if parameters.folds == 2:
+                folds.append(draw_second_fold(folds[0].outline, rng, parameters))
+                layers = fold_again(layers, folds[1])
+            rings = [layer.place(layer.ring) for layer in layers]
+            pose = draw_pose(rings, rng, parameters)
+        except ParameterError as error:
+            reason = error
+            continue
+        masks = draw_masks([pose.to_image(ring) for ring in rings], parameters.image_size)
+        outline = seen_outline(masks, parameters)
+        if outline is not None:
+            return garment, folds, layers, pose, masks, outline
+    raise reason
+
+
+def check_suffix(suffix: str) -> None:
+    """Raise ParameterError if a suffix is no kind of image that scenes are written as."""
+    if suffix not in (".jpg", ".png"):
+        raise ParameterError(f"Scenes are written as .jpg or .png, not as {suffix!r}.")
+
+
+def _write_whole(path: Path, data: bytes) -> None:
+    """Write a file under another name first, so that no reader ever meets half of it."""
+    part = path.with_name(f".{path.name}.part")
+    part.write_bytes(data)
+    part.replace(path)

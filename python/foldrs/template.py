@@ -1,0 +1,275 @@
+"""Templates: the outline of an unfolded garment, its landmarks and grasp pairs (section 3 of the paper).
+
+A template is a small JSON file, see :meth:`Template.from_dict` for its fields. The built-in ones are files of
+the same format, one or more for every kind of garment, and nothing in the program knows more of a kind than
+they say. Template coordinates are (x, y) with y down, in the template's own units (centimetres for the
+built-in ones).
+
+Examples
+--------
+>>> from foldrs.template import builtin_templates
+>>> for template in builtin_templates("pants"):
+...     print(template.name, list(template.landmarks)[:2], template.grasp_pairs[0])
+pants ['waist_left', 'hem_left_outer'] ('waist_left', 'waist_right')
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from foldrs import _core
+from foldrs._template_checks import (
+    check_grasp_pairs,
+    check_outline,
+    check_symmetry,
+    read_only,
+    snap_landmarks,
+)
+from foldrs._template_fields import (
+    Pairs,
+    field_error,
+    parse_landmarks,
+    parse_pairs,
+    parse_points,
+    parse_word,
+    required,
+    shown,
+)
+from foldrs.errors import TemplateError
+
+SCHEMA = 1
+"""Version of the template file format that is read and written."""
+
+_FIELDS = ("schema", "type", "units", "outline", "landmarks", "symmetry", "grasp_pairs")
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """An unfolded garment: outline, landmarks, mirror symmetry and grasp pairs.
+
+    A template is checked when it is made and cannot be changed afterwards: its arrays are read-only copies.
+
+    Parameters
+    ----------
+    name : str
+        Name that tells templates of one kind apart; the stem of the file it was read from.
+    garment_type : str
+        Kind of garment; several templates may share it.
+    units : str
+        Unit of all coordinates, for instance ``"cm"``.
+    outline : (n, 2) float64 array
+        Corners of the closed outline, (x, y) with y down; the first point is not repeated. Either winding.
+    landmarks : mapping of str to (2,) float64 array
+        Named points of the outline, in the order given. A landmark off it by rounding (up to 0.5 % of the
+        square root of the area) is moved to the nearest point of the outline.
+    symmetry : tuple of (str, str)
+        Landmarks that are mirror images of each other. One on the mirror axis may be paired with itself.
+    grasp_pairs : tuple of (str, str)
+        Pairs of landmarks to grasp the garment by, the one with the most natural unfolded state first.
+
+    Raises
+    ------
+    TemplateError
+        If the outline is no simple polygon, a landmark does not lie on it, or a pair names no landmark. Its
+        `field` says where, in the notation of the template file, for instance ``"grasp_pairs[2][0]"``.
+    """
+
+    name: str
+    garment_type: str
+    units: str
+    outline: npt.NDArray[np.float64]
+    landmarks: Mapping[str, npt.NDArray[np.float64]]
+    symmetry: Pairs = ()
+    grasp_pairs: Pairs = ()
+
+    def __post_init__(self) -> None:
+        outline = read_only(self.outline)
+        check_outline(outline)
+        landmarks = snap_landmarks(outline, self.landmarks)
+        check_symmetry(self.symmetry, landmarks)
+        check_grasp_pairs(self.grasp_pairs, landmarks)
+        # The way round a frozen dataclass's own lock: only here, before anyone else holds the object.
+        object.__setattr__(self, "outline", outline)
+        object.__setattr__(self, "landmarks", MappingProxyType(landmarks))
+
+    def __reduce__(self) -> tuple[type[Template], tuple[object, ...]]:
+        """Pickle by the constructor's arguments (the read-only mapping cannot be pickled as it is)."""
+        landmarks = dict(self.landmarks)
+        arguments = (self.name, self.garment_type, self.units, self.outline, landmarks)
+        return Template, (*arguments, self.symmetry, self.grasp_pairs)
+
+    @property
+    def landmark_array(self) -> npt.NDArray[np.float64]:
+        """The landmarks as a (k, 2) array, in their order."""
+        return np.array(list(self.landmarks.values()), dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def area(self) -> float:
+        """Area inside the outline, in square units."""
+        return abs(float(_core.signed_area(self.outline)))
+
+    @classmethod
+    def from_dict(cls, data: object, *, name: str) -> Template:
+        """Make a template of the content of a template file.
+
+        Parameters
+        ----------
+        data : mapping
+            ``schema`` (1), ``type``, ``units``, ``outline`` ``[[x, y], ...]``, ``landmarks``
+            ``{name: [x, y], ...}``, optionally ``symmetry`` ``[[name, name], ...]``, and ``grasp_pairs``
+            ``[[name, name], ...]``, best first. Further fields are ignored.
+        name : str
+            Name of the template.
+
+        Raises
+        ------
+        TemplateError
+            If a field is missing or wrong; its `field` says which.
+        """
+        if not isinstance(data, Mapping):
+            raise TemplateError(f"a template must be an object with named fields, not {shown(data)}")
+        schema = required(data, "schema")
+        if type(schema) is not int or schema != SCHEMA:
+            raise field_error("schema", f"must be {SCHEMA}, the version read here, not {shown(schema)}")
+        return cls(
+            name=name,
+            garment_type=parse_word(required(data, "type"), "type"),
+            units=parse_word(required(data, "units"), "units"),
+            outline=parse_points(required(data, "outline"), "outline"),
+            landmarks=parse_landmarks(required(data, "landmarks"), "landmarks"),
+            symmetry=parse_pairs(data.get("symmetry", ()), "symmetry"),
+            grasp_pairs=parse_pairs(required(data, "grasp_pairs"), "grasp_pairs"),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the content of the template file: lists, texts and numbers only, ready for JSON."""
+        return {
+            "schema": SCHEMA,
+            "type": self.garment_type,
+            "units": self.units,
+            "outline": self.outline.tolist(),
+            "landmarks": {name: point.tolist() for name, point in self.landmarks.items()},
+            "symmetry": [list(pair) for pair in self.symmetry],
+            "grasp_pairs": [list(pair) for pair in self.grasp_pairs],
+        }
+
+
+def load_template(path: str | os.PathLike[str]) -> Template:
+    """Read and check a template file; the template is named by the stem of the file.
+
+    Raises
+    ------
+    TemplateError
+        If the file is missing, is no JSON, or a field is missing or wrong. The message starts with the file.
+    """
+    path = Path(path)
+    try:
+        return _parse(path.read_text(encoding="utf-8-sig"), name=path.stem)
+    except FileNotFoundError as error:
+        raise TemplateError(f"{path}: there is no such template file") from error
+    except OSError as error:
+        raise TemplateError(f"{path}: cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise TemplateError(f"{path}: not a template file, which is JSON text in UTF-8") from error
+    except TemplateError as error:
+        raise TemplateError(f"{path}: {error}", error.field) from error
+
+
+def save_template(template: Template, path: str | os.PathLike[str]) -> None:
+    """Write a template file, one point or pair a line; an existing file is replaced.
+
+    The file is written whole or not at all: a failure leaves what was there before.
+
+    Raises
+    ------
+    TemplateError
+        If the file cannot be written, for instance because its folder does not exist.
+    """
+    path = Path(path)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        try:
+            part.write_text(_to_json(template.to_dict()), encoding="utf-8")
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise TemplateError(f"{path}: cannot be written ({error.strerror})") from error
+
+
+def builtin_templates(garment_type: str | None = None) -> tuple[Template, ...]:
+    """Return the templates that come with the package, sorted by file name.
+
+    Parameters
+    ----------
+    garment_type : str, optional
+        Return those of this kind only; there may be several.
+
+    Raises
+    ------
+    TemplateError
+        If there is none of that kind; the message lists the kinds there are.
+    """
+    templates = _all_builtin_templates()
+    if garment_type is None:
+        return templates
+    chosen = tuple(template for template in templates if template.garment_type == garment_type)
+    if not chosen:
+        kinds = ", ".join(sorted({template.garment_type for template in templates}))
+        raise field_error("type", f"no built-in template is of {shown(garment_type)}; the kinds are {kinds}")
+    return chosen
+
+
+@functools.cache
+def _all_builtin_templates() -> tuple[Template, ...]:
+    folder = resources.files("foldrs").joinpath("templates")
+    files = {Path(file.name): file for file in folder.iterdir() if file.name.endswith(".json")}
+    return tuple(_parse(files[path].read_text(encoding="utf-8"), name=path.stem) for path in sorted(files))
+
+
+def _parse(text: str, *, name: str) -> Template:
+    try:
+        data = json.loads(text, object_pairs_hook=_unique)
+    except TemplateError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise TemplateError(f"not a template file, which is JSON ({error})") from error
+    return Template.from_dict(data, name=name)
+
+
+def _unique(items: list[tuple[str, object]]) -> dict[str, object]:
+    """Refuse a name given twice, of which JSON would silently keep the last."""
+    found: dict[str, object] = {}
+    for name, value in items:
+        if name in found:
+            # The only object inside a template is the one of its landmarks.
+            field = name if name in _FIELDS else f"landmarks.{name}"
+            raise field_error(field, "given twice; names must be unique")
+        found[name] = value
+    return found
+
+
+def _to_json(data: Mapping[str, object]) -> str:
+    """Return JSON that a person can read and edit: one point, landmark or pair a line."""
+    fields = []
+    for field, value in data.items():
+        text = json.dumps(value, ensure_ascii=False)
+        if isinstance(value, list):
+            lines = [f"    {json.dumps(item, ensure_ascii=False)}" for item in value]
+            text = "[\n" + ",\n".join(lines) + "\n  ]" if lines else "[]"
+        elif isinstance(value, dict):
+            lines = [f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(value[key])}" for key in value]
+            text = "{\n" + ",\n".join(lines) + "\n  }" if lines else "{}"
+        fields.append(f'  "{field}": {text}')
+    return "{\n" + ",\n".join(fields) + "\n}\n"
