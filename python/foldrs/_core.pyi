@@ -151,3 +151,47 @@ class Explanation:
     @property
     def cost(self) -> float:
         """Matching cost."""
+
+class FlexibleTemplate:
+    """A template prepared for the joint fit: its corners with a prior on how far they move."""
+
+    def __new__(
+        cls, outline: _Points, mirror_from: _Points, mirror_to: _Points, parameters: Mapping[str, Any]
+    ) -> FlexibleTemplate:
+        """Prepare a template; points of `mirror_from` are mirror images of those of `mirror_to`."""
+
+class JointExplanation:
+    """A template fitted jointly with its crease."""
+
+    @property
+    def template(self) -> int:
+        """Index of the template."""
+    @property
+    def candidate(self) -> int:
+        """Index of the candidate it started from."""
+    @property
+    def outline(self) -> _Points:
+        """Corners of the fitted template, template units, in the order of the template given."""
+    @property
+    def axis(self) -> _Points:
+        """Fold axis (2, 2) on the fitted template; the flap is on its left."""
+    @property
+    def crease(self) -> _Points:
+        """Crease (2, 2) on the seen outline; the flap was on its left."""
+    @property
+    def to_seen(self) -> _Points:
+        """The (2, 3) similarity of the fitted template onto the seen outline; reflecting for the other face."""
+    @property
+    def surprise(self) -> float:
+        """Minus log evidence in nats; comparable between templates."""
+
+def fit_jointly(
+    seen: Seen,
+    templates: Sequence[FlexibleTemplate],
+    candidates: Sequence[Candidate],
+    scale: float | None = None,
+) -> list[JointExplanation]:
+    """Fit templates jointly with their creases from the matching stage's candidates; the best evidence first.
+
+    Candidates name their template by its index. `scale` is the number of seen units a template unit, if known.
+    """

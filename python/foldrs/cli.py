@@ -1,4 +1,4 @@
-"""The command line: ``foldrs fit``, ``foldrs template show``."""
+"""The command line: ``foldrs fit``, ``foldrs template show``, and the commands of `foldrs.synth_cli`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import click
 
 from foldrs import __version__
 from foldrs.errors import FoldrsError
+from foldrs.synth_cli import demo_command, synth_command
 
 if TYPE_CHECKING:
     from foldrs.result import FitResult
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 @click.version_option(__version__, prog_name="foldrs")
 def main() -> None:
     """Tell which garment lies folded on a table, where it is folded, and where to grasp it."""
+
+
+main.add_command(demo_command)
+main.add_command(synth_command)
 
 
 @dataclass(frozen=True)

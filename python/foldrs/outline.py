@@ -27,7 +27,7 @@ from .errors import (
 from .image import Mask, RgbImage, as_mask, as_rgb, read_image, read_mask
 from .parameters import OutlineParameters
 from .segmentation import segment
-from .segmentation.masks import filled, single_object
+from .segmentation.masks import disc, refuse_like_sizes
 
 __all__ = ["Outline", "OutlineInImage", "as_outline", "find_outline", "outline_of_mask", "segment"]
 
@@ -129,14 +129,15 @@ def as_outline(points: npt.ArrayLike) -> Outline:
     """
     try:
         array = np.asarray(points)
-        outline = np.array(array, dtype=np.float64, order="C")
+        if not np.iscomplexobj(array):
+            array = array.astype(np.float64)
     except (TypeError, ValueError) as error:
         raise InvalidOutlineError(f"The points are no numbers ({error}): pass (n, 2) points.") from None
-    if np.iscomplexobj(array) or not _has_outline_shape(outline):
+    if np.iscomplexobj(array) or not _has_outline_shape(array):
         raise InvalidOutlineError(
-            f"An outline is an array of numbers of shape (n, 2), this one is {array.dtype} {array.shape}."
+            f"An outline is an array of real numbers of shape (n, 2), this is {array.dtype} {array.shape}."
         )
-    outline = outline.reshape(-1, 2)
+    outline = np.array(array.reshape(-1, 2), order="C")
     if not np.isfinite(outline).all():
         raise InvalidOutlineError("The outline holds NaN or infinity: leave these points out.")
     if len(outline) > 1 and np.array_equal(outline[0], outline[-1]):
@@ -150,7 +151,7 @@ def outline_of_mask(mask: npt.ArrayLike, parameters: OutlineParameters | None = 
     """Outer outline of the one object in a mask.
 
     It runs through the centres of the outermost cloth pixels, as OpenCV's contours do, so filling it with
-    ``cv2.fillPoly`` gives the mask back; the steps of the pixel grid are smoothed out.
+    ``cv2.fillPoly`` gives the mask back but for the steps of the pixel grid, which are smoothed out.
 
     Parameters
     ----------
@@ -181,15 +182,19 @@ def outline_of_mask(mask: npt.ArrayLike, parameters: OutlineParameters | None = 
         raise NoGarmentError("The mask is empty: mark the garment's pixels as True.")
     if cloth.mean() > p.most_share:
         raise NoGarmentError("The mask covers the whole picture: mark only the garment's pixels as True.")
-    cloth = single_object(filled(cloth), p)
-    pixels = np.count_nonzero(cloth)
+    # Threads one pixel wide would make the outline run back over itself.
+    solid = cv2.morphologyEx(cloth.astype(np.uint8), cv2.MORPH_OPEN, disc(1))
+    contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    # A contour runs through pixel centres: half of its pixels' area lies outside (Pick's theorem).
+    areas = [round(cv2.contourArea(contour) + len(contour) / 2 + 1) for contour in contours]
+    refuse_like_sizes(areas, p)
+    pixels = max(areas, default=0)
     if pixels < p.least_pixels:
         raise GarmentTooSmallError(
             f"The garment covers {pixels} pixels, at least {p.least_pixels} are needed to tell its shape: "
             "go nearer or use a larger picture."
         )
-    contours, _ = cv2.findContours(cloth.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    steps = max(contours, key=len)[:, 0, :]
+    steps = contours[areas.index(pixels)][:, 0, :]
     _check_border(steps, cloth.shape, p)
     outline = steps.astype(np.float64)
     for _ in range(_SMOOTHING_ROUNDS):

@@ -155,14 +155,72 @@ class AlignmentParameters:
 
 
 @dataclass(frozen=True)
+class JointFitParameters:
+    """Joint fit of corners and crease (beyond the paper).
+
+    Lengths are in template units (cm for the built-in templates) unless they say otherwise; "of the size" means as
+    a share of the square root of the template's area.
+    """
+
+    samples: int = 100
+    """Points of the seen outline to be explained."""
+    nodes: int = 64
+    """Nodes of the signed distance field along its longer side."""
+    shape: float = 0.1
+    """Spread of a corner about the template's, of the size. Real garments of a kind differ from their mean by 8 %
+    (3 to 6 cm) a corner."""
+    edge: float = 0.25
+    """Spread of the difference between neighbouring corners' displacements, as a share of their edge's length ..."""
+    edge_floor: float = 0.02
+    """... and this besides, of the size: short edges bend less than long ones."""
+    asymmetry: float = 0.05
+    """Spread of the difference between the garment's halves, of the size (1.5 to 3 cm)."""
+    growth: float = 0.15
+    """Spread of the logarithm of the garment's size about the template's, where the scale is known."""
+    free_growth: float = 0.25
+    """The same where the scale is unknown."""
+    turn: float = 2.0
+    """Radians: spread of the pose's turn; any."""
+    offset: float = 50.0
+    """Spread of the pose's offset: anywhere on the table."""
+    shift: float = 0.5
+    """Spread of the crease's shift from its side: a few millimetres."""
+    skew: float = 0.03
+    """Radians: spread of the crease's turn from its side."""
+    noise: float = 0.8
+    """Expected distance of the seen outline from the model's straight edges: curved hems, soft cloth."""
+    tail: float = 3.0
+    """Distances beyond this multiple of the noise count less and less."""
+    correlation: float = 5.0
+    """Length along the outline over which distances go together: so much outline is one observation."""
+    against: float = 6.0
+    """Distance that a piece of outline running the opposite way of the model's edge counts as."""
+    bend: float = 0.15
+    """Difference of directions (1 - cosine) that costs nothing: edges bend."""
+    covered: float = 0.5
+    """A chord is creased if at least this share of it lies on the crease's side."""
+    coarse_noise: float = 3.0
+    """Noise of the first iterations, as a multiple: far from the solution nearest points mislead."""
+    coarse_iterations: int = 5
+    """Iterations with the coarse noise."""
+    iterations: int = 12
+    """At most this many iterations with the true noise."""
+    longest_step: float = 6.0
+    """Longest step of a corner in one iteration."""
+    refined: int = 24
+    """Starts a template that are fitted to the end, the most promising first."""
+
+
+@dataclass(frozen=True)
 class MatchingParameters:
-    """Stages 1 to 4, as the crate takes them."""
+    """Stages 1 to 4 and the joint fit, as the crate takes them."""
 
     side: SideParameters = field(default_factory=SideParameters)
     partial_match: PartialMatchParameters = field(default_factory=PartialMatchParameters)
     hypothesis: HypothesisParameters = field(default_factory=HypothesisParameters)
     shape_context: ShapeContextParameters = field(default_factory=ShapeContextParameters)
     alignment: AlignmentParameters = field(default_factory=AlignmentParameters)
+    fit: JointFitParameters = field(default_factory=JointFitParameters)
 
 
 @dataclass(frozen=True)

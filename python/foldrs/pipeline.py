@@ -17,6 +17,7 @@ from foldrs import _core
 from foldrs.alternatives import distinct, with_probabilities
 from foldrs.errors import NoHypothesisError, ParameterError
 from foldrs.explanation import Explanation
+from foldrs.joint_fit import fit_jointly
 from foldrs.matching import match
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
@@ -76,7 +77,10 @@ def fit(
     seen = _core.Seen(found.points, asdict(parameters.matching))
     segmented = time.perf_counter()
 
-    explanations = match(seen, chosen, px_per_cm, parameters.alternatives.candidates)
+    if method == "paper":
+        explanations = match(seen, chosen, px_per_cm, parameters.alternatives.candidates)
+    else:
+        explanations = fit_jointly(seen, chosen, px_per_cm, asdict(parameters.matching))
     if not explanations:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "

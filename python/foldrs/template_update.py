@@ -66,7 +66,7 @@ def straight_lines(
         own = points[(side == i) & supported]
         if len(own) < parameters.fewest:
             continue
-        model, inliers = ransac(
+        _, inliers = ransac(
             own,
             LineModelND,
             min_samples=2,
@@ -76,8 +76,15 @@ def straight_lines(
             rng=parameters.seed,
         )
         if inliers is not None and inliers.sum() >= parameters.fewest:
-            lines[int(i)] = np.array(model.params)
+            lines[int(i)] = principal_line(own[inliers])
     return lines
+
+
+def principal_line(points: Points) -> Points:
+    """Mean and main direction of (k, 2) points: the straight line with the least squared distances."""
+    middle = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
+    return np.stack([middle, axes[0]])
 
 
 def new_corners(registered: Points, lines: Mapping[int, Points], unit: float, parameters: FittingParameters) -> Points:

@@ -1,6 +1,7 @@
 //! Python bindings: every function checks and converts its arguments and calls the crate; no geometry here.
 
 mod convert;
+mod fit;
 mod fold;
 mod matching;
 mod model;
@@ -11,6 +12,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::fit::{fit_jointly, PyFlexibleTemplate, PyJointExplanation};
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]

@@ -4,13 +4,14 @@ use crate::convert::{array, outline};
 use foldrs::fold::Layer;
 use foldrs::hypothesis::Face;
 use foldrs::matching::{explain, match_folded, Candidate, Seen};
+use foldrs::registration::PlaneMap;
 use foldrs::{Outline, Parameters};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyAny;
 
-fn parameters(any: &Bound<'_, PyAny>) -> PyResult<Parameters> {
+pub(crate) fn parameters(any: &Bound<'_, PyAny>) -> PyResult<Parameters> {
     pythonize::depythonize(any).map_err(|e| PyValueError::new_err(format!("parameters: {e}")))
 }
 
@@ -22,8 +23,8 @@ pub(crate) fn default_parameters(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// A seen outline prepared for matching.
 #[pyclass(frozen, module = "foldrs._core", name = "Seen")]
 pub(crate) struct PySeen {
-    seen: Seen,
-    parameters: Parameters,
+    pub(crate) seen: Seen,
+    pub(crate) parameters: Parameters,
 }
 
 #[pymethods]
@@ -87,7 +88,7 @@ impl PySeen {
 
 /// A fold of a template compared with the seen outline.
 #[pyclass(frozen, module = "foldrs._core", name = "Candidate")]
-pub(crate) struct PyCandidate(Candidate);
+pub(crate) struct PyCandidate(pub(crate) Candidate);
 
 #[pymethods]
 impl PyCandidate {
@@ -174,12 +175,7 @@ impl PyExplanation {
     /// The map of the folded template onto the seen outline, (2, 3).
     #[getter]
     fn to_seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let m = &self.0.to_seen;
-        let rows = vec![
-            vec![m.linear.m11, m.linear.m12, m.offset.x],
-            vec![m.linear.m21, m.linear.m22, m.offset.y],
-        ];
-        Ok(PyArray2::from_vec2(py, &rows)?)
+        map_array(py, &self.0.to_seen)
     }
 
     #[getter]
@@ -191,4 +187,13 @@ impl PyExplanation {
     fn cost(&self) -> f64 {
         self.0.cost
     }
+}
+
+/// The (2, 3) array of a map.
+pub(crate) fn map_array<'py>(py: Python<'py>, m: &PlaneMap) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = vec![
+        vec![m.linear.m11, m.linear.m12, m.offset.x],
+        vec![m.linear.m21, m.linear.m22, m.offset.y],
+    ];
+    Ok(PyArray2::from_vec2(py, &rows)?)
 }

@@ -27,7 +27,10 @@ pub struct AlignmentParameters {
 
 impl Default for AlignmentParameters {
     fn default() -> Self {
-        Self { skip_penalty: 0.6, starts: 8 }
+        Self {
+            skip_penalty: 0.6,
+            starts: 8,
+        }
     }
 }
 
@@ -61,11 +64,21 @@ pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<
     if floor.rest[0] >= limit {
         return None;
     }
-    let mut search = Search { cost, penalty, floor, limit, total: vec![f32::NAN; m] };
+    let mut search = Search {
+        cost,
+        penalty,
+        floor,
+        limit,
+        total: vec![f32::NAN; m],
+    };
     let best = search.run(parameters.starts.clamp(1, m))?;
     let (pairs, total) = trace(cost, penalty, best);
     let cost = total / n as f64;
-    bound.is_none_or(|bound| cost < bound).then_some(Alignment { cost, pairs, start: best })
+    bound.is_none_or(|bound| cost < bound).then_some(Alignment {
+        cost,
+        pairs,
+        start: best,
+    })
 }
 
 /// Costs of the best alignments from given starts (columns), per row.
@@ -149,13 +162,15 @@ impl Search<'_> {
 
     /// The cheapest start so far, the first of equals; none if all were abandoned.
     fn best(&self) -> Option<usize> {
-        (0..self.total.len()).filter(|&start| self.total[start] < f32::INFINITY).reduce(|best, start| {
-            if self.total[start] < self.total[best] {
-                start
-            } else {
-                best
-            }
-        })
+        (0..self.total.len())
+            .filter(|&start| self.total[start] < f32::INFINITY)
+            .reduce(|best, start| {
+                if self.total[start] < self.total[best] {
+                    start
+                } else {
+                    best
+                }
+            })
     }
 }
 
@@ -209,9 +224,15 @@ impl Front {
     /// Before the first row. Lanes short of their start finish a row that skips all columns.
     fn new(m: usize, starts: &[usize; LANES], penalty: f32) -> Self {
         let skipped = |count: usize| count as f32 * penalty;
-        let line =
-            (0..m).map(|j| starts.map(|s| if j < s { f32::INFINITY } else { skipped(j + 1 - s) })).collect();
-        Self { line, left: starts.map(|s| skipped(m - s)), diagonal: [f32::INFINITY; LANES], penalty }
+        let line = (0..m)
+            .map(|j| starts.map(|s| if j < s { f32::INFINITY } else { skipped(j + 1 - s) }))
+            .collect();
+        Self {
+            line,
+            left: starts.map(|s| skipped(m - s)),
+            diagonal: [f32::INFINITY; LANES],
+            penalty,
+        }
     }
 
     /// Moves over some columns; the first `ahead` lanes are in `row`, the others in the one `before`.
@@ -237,7 +258,9 @@ impl Front {
     fn least(&self) -> f32 {
         self.line
             .iter()
-            .fold(self.diagonal, |low, cell| std::array::from_fn(|lane| least(low[lane], cell[lane])))
+            .fold(self.diagonal, |low, cell| {
+                std::array::from_fn(|lane| least(low[lane], cell[lane]))
+            })
             .into_iter()
             .fold(f32::INFINITY, least)
     }
@@ -269,7 +292,11 @@ fn trace(cost: &CostMatrix, penalty: f32, start: usize) -> (Vec<(u32, u32)>, f64
         line[0] = left;
         let (head, tail) = cost.row(i).split_at(start);
         for ((cell, step), c) in line[1..].iter_mut().zip(steps).zip(tail.iter().chain(head)) {
-            let (skip, which) = if *cell < left { (*cell, Step::SkipRow) } else { (left, Step::SkipColumn) };
+            let (skip, which) = if *cell < left {
+                (*cell, Step::SkipRow)
+            } else {
+                (left, Step::SkipColumn)
+            };
             (left, *step) = if diagonal + c < skip + penalty {
                 (diagonal + c, Step::Match)
             } else {

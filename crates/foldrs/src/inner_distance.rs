@@ -76,7 +76,11 @@ pub fn mean_inner_distance(inner: &InnerDistances) -> f64 {
 #[must_use]
 pub fn inner_distances(points: &[Point]) -> InnerDistances {
     let n = points.len();
-    let mut inner = InnerDistances { n, distance: vec![0.0; n * n], first_step: vec![0; n * n] };
+    let mut inner = InnerDistances {
+        n,
+        distance: vec![0.0; n * n],
+        first_step: vec![0; n * n],
+    };
     for i in 0..n {
         inner.first_step[i * n + i] = i as u32;
     }
@@ -158,8 +162,16 @@ struct Explorer {
 
 impl Explorer {
     fn new(points: &[Point], triangles: &[Triangle]) -> Self {
-        let nodes =
-            points.iter().map(|p| Node { x: p.x, y: p.y, length: 0.0, parent: 0, first: 0 }).collect();
+        let nodes = points
+            .iter()
+            .map(|p| Node {
+                x: p.x,
+                y: p.y,
+                length: 0.0,
+                parent: 0,
+                first: 0,
+            })
+            .collect();
         let gate = |t: &Triangle, side: usize| Gate {
             left: t.corners[side],
             right: t.corners[(side + 1) % 3],
@@ -169,7 +181,10 @@ impl Explorer {
         };
         Self {
             nodes,
-            gates: triangles.iter().flat_map(|t| (0..3).map(move |side| gate(t, side))).collect(),
+            gates: triangles
+                .iter()
+                .flat_map(|t| (0..3).map(move |side| gate(t, side)))
+                .collect(),
             ears: triangles.iter().map(|t| t.corners).collect(),
             exits: triangles.iter().map(|t| t.across[2]).collect(),
             pending: Vec::with_capacity(points.len()),
@@ -267,7 +282,9 @@ fn size(points: &[Point]) -> f64 {
         let (low, high) = points
             .iter()
             .map(coordinate)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
         high - low
     };
     extent(|p| p.x).max(extent(|p| p.y))

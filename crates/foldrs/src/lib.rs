@@ -5,6 +5,7 @@
 pub mod alignment;
 pub mod crease;
 pub mod error;
+pub mod fit;
 pub mod fold;
 pub mod hypothesis;
 pub mod inner_distance;

@@ -23,6 +23,8 @@ pub struct Parameters {
     pub shape_context: ShapeContextParameters,
     /// Stage 4: alignment.
     pub alignment: AlignmentParameters,
+    /// Joint fit.
+    pub fit: FitParameters,
 }
 
 /// Sides of the simplified outline (section 2.1).
@@ -129,6 +131,95 @@ impl Default for HypothesisParameters {
             distance_bin: 0.03,
             confidence: 0.01,
             most: 80,
+        }
+    }
+}
+
+/// Joint fit of corners and crease (beyond the paper). Lengths are in template units (cm for the built-in templates)
+/// unless they say otherwise.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct FitParameters {
+    /// Points of the seen outline to be explained.
+    pub samples: usize,
+    /// Nodes of the signed distance field along its longer side.
+    pub nodes: usize,
+    /// Spread of a corner about the template's, as a share of the square root of the template's area. Real garments of
+    /// a kind differ from their mean by 8 % (3 to 6 cm) a corner.
+    pub shape: f64,
+    /// Spread of the difference between two neighbouring corners' displacements, as a share of their edge's length ...
+    pub edge: f64,
+    /// ... and this share of the square root of the area besides: short edges bend less than long ones.
+    pub edge_floor: f64,
+    /// Spread of the difference between the garment's two halves, as a share of the square root of its area
+    /// (1.5 to 3 cm).
+    pub asymmetry: f64,
+    /// Spread of the logarithm of the garment's size about the template's where the scale is known.
+    pub growth: f64,
+    /// The same where the scale is unknown.
+    pub free_growth: f64,
+    /// Spread of the pose's turn, in radians: any.
+    pub turn: f64,
+    /// Spread of the pose's offset: anywhere on the table.
+    pub offset: f64,
+    /// Spread of the crease's shift from its side: a few millimetres.
+    pub shift: f64,
+    /// Spread of the crease's turn from its side, in radians.
+    pub skew: f64,
+    /// Distance of the seen outline from the model's straight edges to be expected: curved hems, soft cloth.
+    pub noise: f64,
+    /// Distances beyond this multiple of the noise count less and less.
+    pub tail: f64,
+    /// Length along the outline over which distances go together: so much outline is one observation.
+    pub correlation: f64,
+    /// Distance that a piece of outline running the opposite way of the model's edge counts as.
+    pub against: f64,
+    /// Difference of directions (1 - cosine) that costs nothing: edges bend.
+    pub bend: f64,
+    /// A chord is creased if at least this share of it lies on the crease's side.
+    pub covered: f64,
+    /// Noise of the first iterations, as a multiple of the noise: far from the solution nearest points mislead.
+    pub coarse_noise: f64,
+    /// Iterations with the coarse noise.
+    pub coarse_iterations: usize,
+    /// At most this many iterations with the true noise.
+    pub iterations: usize,
+    /// Longest step of a corner in one iteration.
+    pub longest_step: f64,
+    /// Starts a template that are fitted to the end, the most promising first.
+    pub refined: usize,
+}
+
+impl Default for FitParameters {
+    fn default() -> Self {
+        Self {
+            samples: 100,
+            nodes: 64,
+            shape: 0.1,
+            edge: 0.25,
+            edge_floor: 0.02,
+            asymmetry: 0.05,
+            growth: 0.15,
+            free_growth: 0.25,
+            turn: 2.0,
+            offset: 50.0,
+            shift: 0.5,
+            skew: 0.03,
+            noise: 0.8,
+            tail: 3.0,
+            correlation: 5.0,
+            against: 6.0,
+            bend: 0.15,
+            covered: 0.5,
+            coarse_noise: 3.0,
+            coarse_iterations: 5,
+            iterations: 12,
+            longest_step: 6.0,
+            refined: 24,
         }
     }
 }

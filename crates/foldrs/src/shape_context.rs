@@ -38,7 +38,11 @@ pub struct ShapeContextParameters {
 
 impl Default for ShapeContextParameters {
     fn default() -> Self {
-        Self { n_points: 100, n_dist: 5, n_theta: 12 }
+        Self {
+            n_points: 100,
+            n_dist: 5,
+            n_theta: 12,
+        }
     }
 }
 
@@ -121,8 +125,12 @@ pub fn shape_contexts(
     let n = points.len().min(inner.n);
     let (n_dist, n_theta) = (parameters.n_dist.max(1), parameters.n_theta.max(1));
     let bins = n_dist * n_theta;
-    let mut contexts =
-        ShapeContexts { n, bins, counts: vec![0; n * bins], mirrored_counts: vec![0; n * bins] };
+    let mut contexts = ShapeContexts {
+        n,
+        bins,
+        counts: vec![0; n * bins],
+        mirrored_counts: vec![0; n * bins],
+    };
     let mut rings = Rings::new(n, n_dist, n_theta, mean_inner_distance(inner));
     let mut sectors = Sectors::new(n, n_theta);
     // One ring more than there are bins takes what is out of reach.
@@ -135,7 +143,9 @@ pub fn shape_contexts(
         histogram.fill(0);
         mirrored.fill(0);
         for (&step, &ring) in inner.first_step[i * inner.n..][..n].iter().zip(&rings.first_bin) {
-            let Some(sector) = sectors.bins.get(step as usize) else { continue };
+            let Some(sector) = sectors.bins.get(step as usize) else {
+                continue;
+            };
             histogram[ring as usize + sector.seen as usize] += 1;
             mirrored[ring as usize + sector.mirrored as usize] += 1;
         }
@@ -166,14 +176,21 @@ impl Rings {
         let a = (DISTANCE_BASE.powf(MEAN_AT * n_dist as f64) - 1.0) / mean;
         let border = |k: usize| (DISTANCE_BASE.powf(k as f64) - 1.0) / a;
         let borders: Vec<f64> = (1..n_dist).map(border).chain([f64::INFINITY]).collect();
-        Self { borders: blocks(&borders, f64::NAN), n_theta: n_theta as u64, first_bin: vec![0; n] }
+        Self {
+            borders: blocks(&borders, f64::NAN),
+            n_theta: n_theta as u64,
+            first_bin: vec![0; n],
+        }
     }
 
     fn look(&mut self, distance: &[f64]) {
         self.first_bin.fill(0);
         for borders in &self.borders {
             for (bin, d) in self.first_bin.iter_mut().zip(distance) {
-                *bin += borders.iter().map(|border| if d >= border { self.n_theta } else { 0 }).sum::<u64>();
+                *bin += borders
+                    .iter()
+                    .map(|border| if d >= border { self.n_theta } else { 0 })
+                    .sum::<u64>();
             }
         }
     }
@@ -232,19 +249,30 @@ impl Sectors {
     /// Fills in the bins of the directions from one vertex, counted from the tangent there.
     fn look(&mut self, points: &[Point], from: Point, tangent: Vector) {
         // As atan2(0, 0) would have it.
-        let tangent = if tangent == Vector::zeros() { Vector::x() } else { tangent };
+        let tangent = if tangent == Vector::zeros() {
+            Vector::x()
+        } else {
+            tangent
+        };
         let normal = Vector::new(-tangent.y, tangent.x);
         self.seen.fill(points, from, [tangent, normal], self.half_turn);
         // In the mirrored outline the reversed order of the points turns the tangent round, its mirrored frame
         // therefore keeps the normal.
-        self.mirrored.fill(points, from, [-tangent, normal], self.half_turn);
+        self.mirrored
+            .fill(points, from, [-tangent, normal], self.half_turn);
         for directions in [&mut self.seen, &mut self.mirrored] {
             self.borders.iter().for_each(|borders| directions.pass(borders));
         }
-        for ((bins, seen), mirrored) in self.bins.iter_mut().zip(&self.seen.passed).zip(&self.mirrored.passed)
+        for ((bins, seen), mirrored) in self
+            .bins
+            .iter_mut()
+            .zip(&self.seen.passed)
+            .zip(&self.mirrored.passed)
         {
-            *bins =
-                Sector { seen: (seen >> self.per_bin) as u32, mirrored: (mirrored >> self.per_bin) as u32 };
+            *bins = Sector {
+                seen: (seen >> self.per_bin) as u32,
+                mirrored: (mirrored >> self.per_bin) as u32,
+            };
         }
     }
 }
@@ -258,7 +286,11 @@ struct Directions {
 
 impl Directions {
     fn new(n: usize) -> Self {
-        Self { cosine: vec![0.0; n], sine: vec![0.0; n], passed: vec![0; n] }
+        Self {
+            cosine: vec![0.0; n],
+            sine: vec![0.0; n],
+            passed: vec![0; n],
+        }
     }
 
     /// Directions from a vertex to all others in the frame of its tangent and normal.
@@ -279,7 +311,10 @@ impl Directions {
     /// Counts the borders before each direction.
     fn pass(&mut self, borders: &[f64; BLOCK]) {
         for ((c, s), passed) in self.cosine.iter().zip(&self.sine).zip(&mut self.passed) {
-            *passed += borders.iter().map(|border| u64::from(*c < border * s)).sum::<u64>();
+            *passed += borders
+                .iter()
+                .map(|border| u64::from(*c < border * s))
+                .sum::<u64>();
         }
     }
 }
@@ -349,5 +384,9 @@ pub fn chi_squared(a: &ShapeContexts, b: &ShapeContexts) -> CostMatrix {
             *value = (mass + mass_b - 4.0 * *value).max(0.0);
         }
     }
-    CostMatrix { rows: n, columns: m, values: common }
+    CostMatrix {
+        rows: n,
+        columns: m,
+        values: common,
+    }
 }

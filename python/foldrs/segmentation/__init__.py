@@ -58,7 +58,7 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
             f"The picture is {rgb.shape[1]} x {rgb.shape[0]} pixels, too small or too narrow for a garment's "
             "shape to be told: pass a larger one."
         )
-    if not np.ptp(rgb, axis=(0, 1)).any():
+    if not np.ptp(fine, axis=(0, 1)).any():
         raise NoGarmentError("The picture is all one colour: no garment is seen in it.")
     coarse_lab = _lab(coarse)
     smooth = np.asarray(cv2.GaussianBlur(coarse_lab, (0, 0), p.smoothing), np.float32)
@@ -73,7 +73,8 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
     mask = snap_to_rim(coarse_lab, mask, p)
     mask = snap_to_rim(_lab(fine), resized(mask, fine.shape[:2]), _finer(p))
     _check_extent(mask, p)
-    return largest_part(resized(mask, rgb.shape[:2]))
+    whole = resized(mask, rgb.shape[:2])
+    return largest_part(whole) if rgb.shape[0] < mask.shape[0] else whole  # shrinking may split it
 
 
 def _finer(parameters: OutlineParameters) -> OutlineParameters:

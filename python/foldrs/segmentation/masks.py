@@ -46,7 +46,7 @@ def largest_part(mask: Mask) -> Mask:
     return np.equal(labels, 1 + int(np.argmax(areas)))
 
 
-def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float = 0.0) -> Mask:
+def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float) -> Mask:
     """Keep the one object of `mask`.
 
     Parameters
@@ -55,7 +55,7 @@ def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float = 
     parameters : OutlineParameters
     merge_gap : float
         Parts no further apart than about this (px) are one object; print of the table's colour can split
-        a garment. 0 merges nothing.
+        a garment.
 
     Raises
     ------
@@ -65,16 +65,21 @@ def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float = 
     labels, areas = _parts(mask)
     if areas.size < 2:
         return mask
-    if merge_gap > 0 and np.sort(areas)[-2] >= parameters.part_share * areas.max():
+    if np.sort(areas)[-2] >= parameters.part_share * areas.max():
         large = np.concatenate([[False], areas >= parameters.part_share * areas.max()])
         labels, areas = _parts(filled(closed(large[labels], merge_gap)))
-    ranked = np.sort(areas)[::-1]
-    if areas.size > 1 and ranked[1] >= parameters.like_size_share * ranked[0]:
+    refuse_like_sizes(areas, parameters)
+    return np.equal(labels, 1 + int(np.argmax(areas)))
+
+
+def refuse_like_sizes(areas: npt.ArrayLike, parameters: OutlineParameters) -> None:
+    """Raise SeveralGarmentsError if the second of the areas (px) is nearly as large as the first."""
+    ranked = np.sort(np.asarray(areas))[::-1]
+    if ranked.size > 1 and ranked[1] >= parameters.like_size_share * ranked[0]:
         raise SeveralGarmentsError(
-            f"There are several objects of like size ({ranked[0]} and {ranked[1]} pixels): "
+            f"There are several objects of like size ({ranked[0]:.0f} and {ranked[1]:.0f} pixels): "
             "leave one garment in the picture, or pass a mask of the one that is meant."
         )
-    return np.equal(labels, 1 + int(np.argmax(areas)))
 
 
 def resized(mask: Mask, shape: tuple[int, int]) -> Mask:

@@ -76,7 +76,7 @@ def _side(colours: FloatImage, distance: FloatImage, parameters: OutlineParamete
     number = _box_sum(weight, size)
     weighted = colours * weight[:, :, None]
     known = np.maximum(number, 1)[:, :, None]
-    mean = _box_sum(weighted, size) / known
+    mean = np.divide(_box_sum(weighted, size), known, dtype=np.float32)
     variance = _box_sum(weighted * colours, size) / known - mean**2
     return _Side(number, mean, np.maximum(variance, 0, dtype=np.float32))
 

@@ -51,7 +51,7 @@ def surprise(lab: FloatImage, table: Mask, parameters: OutlineParameters) -> Sur
     """
     terms = _polynomial_terms(lab.shape[:2], parameters.table_degree)
     sample = np.flatnonzero(table)[::_SAMPLE_STEP]
-    known_terms, known_colours = terms[sample], lab.reshape(-1, 3)[sample]
+    known_terms, known_colours = terms[sample].astype(float), lab.reshape(-1, 3)[sample].astype(float)
     weights = np.ones(sample.size)
     ridge = 1e-3 * np.eye(terms.shape[1])
     for _ in range(_ROUNDS):
@@ -63,9 +63,10 @@ def surprise(lab: FloatImage, table: Mask, parameters: OutlineParameters) -> Sur
         weights = (1 + squared / (4 * scale)) ** -2.0
     spread = (residuals * weights[:, None]).T @ residuals / weights.sum()
     spread += parameters.table_noise**2 * np.eye(3)
-    difference = lab - (terms @ coefficients).reshape(lab.shape).astype(np.float32)
+    difference = lab.reshape(-1, 3) - terms @ coefficients.astype(np.float32)
     whitened = difference @ np.linalg.cholesky(np.linalg.inv(spread)).astype(np.float32)
-    return Surprise(difference, np.sqrt((whitened**2).sum(axis=2)))
+    deviation = np.sqrt(np.einsum("ij,ij->i", whitened, whitened))
+    return Surprise(difference.reshape(lab.shape), deviation.reshape(lab.shape[:2]))
 
 
 def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Surprise]:
@@ -99,8 +100,8 @@ def _standing_out(deviation: FloatImage, parameters: OutlineParameters) -> Mask:
     return tidied(bright > 0, parameters.opening)
 
 
-def _polynomial_terms(shape: tuple[int, ...], degree: int) -> npt.NDArray[np.float64]:
+def _polynomial_terms(shape: tuple[int, ...], degree: int) -> FloatImage:
     """Terms x^i y^j, i + j <= degree, of every pixel: (h w, terms), x and y from -1 to 1."""
-    y, x = np.mgrid[-1 : 1 : shape[0] * 1j, -1 : 1 : shape[1] * 1j]
+    y, x = np.mgrid[-1 : 1 : shape[0] * 1j, -1 : 1 : shape[1] * 1j].astype(np.float32)
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     return np.stack([(x**i * y**j).ravel() for i, j in powers], axis=1)

@@ -66,8 +66,9 @@ impl<'a> Clipper<'a> {
         if signed_area(points) < 0.0 {
             std::mem::swap(&mut next, &mut previous);
         }
-        let turn: Vec<f64> =
-            (0..points.len()).map(|k| orient(points, previous[k], k as u32, next[k])).collect();
+        let turn: Vec<f64> = (0..points.len())
+            .map(|k| orient(points, previous[k], k as u32, next[k]))
+            .collect();
         let obstacles = Obstacles::new(points, &turn);
         Self {
             points,
@@ -102,7 +103,11 @@ impl<'a> Clipper<'a> {
                 misses += 1;
                 if misses == remaining {
                     misses = 0;
-                    strictness = if strictness == Ear::Strict { Ear::Touching } else { Ear::Any };
+                    strictness = if strictness == Ear::Strict {
+                        Ear::Touching
+                    } else {
+                        Ear::Any
+                    };
                 }
             }
         }
@@ -132,7 +137,11 @@ impl<'a> Clipper<'a> {
         let entrance = 3 * self.out.triangles.len() as u32;
         // The cut is a new side of what remains, but for the last triangle.
         let is_last = self.next[c as usize] == a;
-        let cut = if is_last { self.behind[c as usize] } else { BOUNDARY };
+        let cut = if is_last {
+            self.behind[c as usize]
+        } else {
+            BOUNDARY
+        };
         let across = [self.behind[a as usize], self.behind[b as usize], cut];
         for (side, &neighbour) in across.iter().enumerate() {
             if neighbour != BOUNDARY {
@@ -141,7 +150,10 @@ impl<'a> Clipper<'a> {
                     entrance + side as u32;
             }
         }
-        self.out.triangles.push(Triangle { corners: [a, b, c], across });
+        self.out.triangles.push(Triangle {
+            corners: [a, b, c],
+            across,
+        });
         self.out.clip_order.push(b);
         self.behind[a as usize] = entrance + 2;
         self.next[a as usize] = c;
@@ -177,7 +189,11 @@ impl Obstacles {
                 Aabb::new(corner, corner)
             })
             .collect();
-        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), vertices, alive }
+        Self {
+            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            vertices,
+            alive,
+        }
     }
 
     fn remove(&mut self, vertex: u32) {
@@ -217,5 +233,8 @@ fn orient(points: &[Point], a: u32, b: u32, c: u32) -> f64 {
 /// Twice the signed area, relative to the first point for accuracy.
 fn signed_area(points: &[Point]) -> f64 {
     let origin = points[0];
-    points.windows(2).map(|w| (w[0] - origin).perp(&(w[1] - origin))).sum()
+    points
+        .windows(2)
+        .map(|w| (w[0] - origin).perp(&(w[1] - origin)))
+        .sum()
 }

@@ -1,0 +1,136 @@
+//! The joint fit of all templates to a seen outline, from the matching stage's candidates to explanations.
+
+use super::{fit_jointly, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use crate::matching::{Candidate, Seen};
+use crate::parameters::FitParameters;
+use crate::registration::PlaneMap;
+use crate::{Outline, Point, Segment};
+use nalgebra::Matrix2;
+
+/// A template fitted jointly with its crease, in the units of the seen outline and of the template.
+#[derive(Debug, Clone)]
+pub struct JointExplanation {
+    /// Index of the template.
+    pub template: usize,
+    /// Index of the candidate it started from.
+    pub candidate: usize,
+    /// Corners of the fitted template in template units, in the order of the template given.
+    pub outline: Vec<Point>,
+    /// The fold axis on it; the flap is on its left.
+    pub axis: Segment,
+    /// Map of the fitted template onto the seen outline; reflecting if the garment shows its other face.
+    pub to_seen: PlaneMap,
+    /// The crease on the seen outline; the flap was on its left.
+    pub crease: Segment,
+    /// Minus log evidence, in nats; comparable between templates.
+    pub surprise: f64,
+}
+
+/// Fits every template jointly with the crease, from all candidates; the best evidence first.
+///
+/// `scale` is the number of seen units a template unit, if known.
+pub fn explain_jointly(
+    seen: &Seen,
+    templates: &[FlexibleTemplate],
+    candidates: &[Candidate],
+    scale: Option<f64>,
+    parameters: &FitParameters,
+) -> Vec<JointExplanation> {
+    if templates.is_empty() {
+        return Vec::new();
+    }
+    let area = seen.outline().signed_area().abs();
+    let mean_unit = templates.iter().map(|t| t.area.sqrt()).sum::<f64>() / templates.len() as f64;
+    // One fold hides between nothing and half of the garment: on the average the seen area is 1 / 1.3 of it.
+    let working = scale.unwrap_or((1.3 * area).sqrt() / mean_unit);
+    let Some(outline) = scaled(seen.outline(), 1.0 / working) else {
+        return Vec::new();
+    };
+    let field = SeenField::new(&outline, parameters.samples, parameters.nodes);
+    let parameters = match scale {
+        Some(_) => parameters.clone(),
+        None => FitParameters {
+            growth: parameters.free_growth,
+            ..parameters.clone()
+        },
+    };
+
+    let mut starts: Vec<(usize, Start)> = Vec::with_capacity(candidates.len());
+    let mut from = Vec::with_capacity(candidates.len());
+    for (index, candidate) in candidates.iter().enumerate() {
+        let t = candidate.template;
+        let expected = scale.map_or((1.3 * field.area / templates[t].area).sqrt(), |_| 1.0);
+        let Some(side) = seen.sides().get(candidate.hypothesis.side) else {
+            continue;
+        };
+        let side = side.segment.map(|p| p / working);
+        if let Some(start) = start_from(&candidate.hypothesis, &side, expected) {
+            starts.push((t, start));
+            from.push((start, index));
+        }
+    }
+    fit_jointly(&field, templates, &starts, &parameters)
+        .into_iter()
+        .filter_map(|(t, fit)| {
+            let candidate = from
+                .iter()
+                .find(|(start, i)| *start == fit.start && candidates[*i].template == t)?
+                .1;
+            explanation(t, candidate, &templates[t], &fit, working, scale.is_some())
+        })
+        .collect()
+}
+
+fn scaled(outline: &Outline, factor: f64) -> Option<Outline> {
+    Outline::new(outline.points().iter().map(|p| p * factor).collect()).ok()
+}
+
+fn explanation(
+    template: usize,
+    candidate: usize,
+    flexible: &FlexibleTemplate,
+    fit: &JointFit,
+    working: f64,
+    known_scale: bool,
+) -> Option<JointExplanation> {
+    // With a known scale the garment's own size belongs to the fitted template, else to the map.
+    let (own, map_scale) = if known_scale {
+        (fit.scale, 1.0)
+    } else {
+        (1.0, fit.scale)
+    };
+    let mut outline: Vec<Point> = fit
+        .corners
+        .iter()
+        .map(|c| flexible.centre + c.coords * own)
+        .collect();
+    let (s, c) = fit.turn.sin_cos();
+    let mirror = if fit.start.reflected { -1.0 } else { 1.0 };
+    let linear = Matrix2::new(c * mirror, -s, s * mirror, c) * (map_scale * working);
+    let first = fit.ring.first()? * working;
+    let to_seen = PlaneMap {
+        linear,
+        offset: first.coords - linear * outline.first()?.coords,
+    };
+    if flexible.reversed {
+        outline[1..].reverse();
+    }
+    let crease = fit.crease.map(|p| p * working);
+    let back = to_seen.inverse()?;
+    let axis = crease.map(|p| back.apply(&p));
+    // A reflection swaps left and right.
+    let axis = if fit.start.reflected {
+        [axis[1], axis[0]]
+    } else {
+        axis
+    };
+    Some(JointExplanation {
+        template,
+        candidate,
+        outline,
+        axis,
+        to_seen,
+        crease,
+        surprise: fit.surprise,
+    })
+}

@@ -1,0 +1,105 @@
+//! Joint fit: the template's corners and the crease, solved for together.
+//!
+//! What the published iteration of matching and fitting approximates (section 2.2) is here one least-squares problem
+//! a candidate: in the image the crease is a side of the outline, known to a few millimetres; unknown are where the
+//! template's corners lie, and a small shift and turn of the crease. Sought are the corners of least deviation from the
+//! template's shape, mirror symmetry and size whose outline, folded, explains the seen one: every seen point lies near
+//! an edge of the kept part, the turned flap or the crease, and no edge sticks out of the seen outline. The folded
+//! outline's union is not needed for that, so a candidate costs about a millisecond and all of them can be tried.
+//!
+//! Candidates are ranked by evidence, the probability of the outline under a template and crease with the corners
+//! integrated out (Laplace's approximation), not by residual: a template with more corners does not win for its
+//! freedom.
+
+mod explain;
+mod field;
+mod layers;
+mod shape;
+mod solve;
+
+pub use explain::{explain_jointly, JointExplanation};
+pub use field::SeenField;
+pub use shape::FlexibleTemplate;
+pub use solve::{JointFit, Start};
+
+use crate::crease::Axis;
+use crate::hypothesis::{Face, Hypothesis};
+use crate::parameters::FitParameters;
+use crate::{parallel, Point, Segment};
+
+/// Fits a template from every start, coarsely, and the most promising ones to the end; the best evidence first.
+///
+/// Starts that lose their crease on the way are left out. The result does not depend on the number of threads.
+pub fn fit_jointly(
+    field: &SeenField,
+    templates: &[FlexibleTemplate],
+    starts: &[(usize, Start)],
+    parameters: &FitParameters,
+) -> Vec<(usize, JointFit)> {
+    let mut coarse: Vec<(usize, JointFit)> = parallel::map(starts, |(t, start)| {
+        solve::coarse(field, &templates[*t], start, parameters).map(|fit| (*t, fit))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    coarse.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    // Every template keeps its own best starts: templates are compared only when they are fitted.
+    let mut kept = vec![0; templates.len()];
+    coarse.retain(|(t, _)| {
+        kept[*t] += 1;
+        kept[*t] <= parameters.refined
+    });
+    let mut fine: Vec<(usize, JointFit)> = parallel::map(&coarse, |(t, fit)| {
+        solve::fine(field, &templates[*t], fit, parameters).map(|fit| (*t, fit))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    fine
+}
+
+/// The start a hypothesis about the axis gives: the template laid so that its axis covers the side that claims it.
+///
+/// `side` is that side of the seen outline, `scale` the expected number of seen units a template unit.
+pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option<Start> {
+    let axis = Axis::new(&hypothesis.axis).ok()?;
+    let crease = Axis::new(side).ok()?;
+    let reflected = hypothesis.face == Face::Mirrored;
+    // The mirrored outline runs the other way round, and with it its sides.
+    let direction = if reflected {
+        -crease.direction
+    } else {
+        crease.direction
+    };
+    let template = if reflected {
+        nalgebra::Vector2::new(-axis.direction.x, axis.direction.y)
+    } else {
+        axis.direction
+    };
+    let turn = direction.y.atan2(direction.x) - template.y.atan2(template.x);
+    let middle = |s: &Segment| nalgebra::center(&s[0], &s[1]);
+    Some(Start {
+        side: *side,
+        anchor: middle(&hypothesis.axis),
+        target: middle(side),
+        turn,
+        scale,
+        reflected,
+    })
+}
+
+/// The points of a closed ring at equal distances with the directions of the ring there.
+pub(crate) fn samples(outline: &crate::Outline, n: usize) -> Vec<(Point, nalgebra::Vector2<f64>)> {
+    let step = outline.length() / n as f64;
+    (0..n)
+        .map(|k| {
+            let s = (k as f64 + 0.5) * step;
+            let d = outline.at(s + 0.5 * step) - outline.at(s - 0.5 * step);
+            (
+                outline.at(s),
+                d.try_normalize(0.0).unwrap_or_else(nalgebra::Vector2::x),
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,150 @@
+//! A template that can bend: its corners with a Gaussian prior on how far they move.
+
+use crate::outline::Outline;
+use crate::parameters::FitParameters;
+use crate::registration::PlaneMap;
+use crate::{Point, Vector};
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+/// A template's corners about their centre, and the precision of their displacements.
+///
+/// Three things are expected of a real garment, in the template's units: its corners lie near the template's; short
+/// edges keep their length and direction better than long ones (so curved hems and collars move as one); and
+/// its two halves differ less from each other than from the template.
+#[derive(Debug, Clone)]
+pub struct FlexibleTemplate {
+    /// Corners relative to [`FlexibleTemplate::centre`], wound positively.
+    pub(super) corners: Vec<Vector>,
+    /// What the corners are relative to, in template coordinates.
+    pub centre: Point,
+    /// Whether the corners run the other way round than the outline given.
+    pub(super) reversed: bool,
+    /// Enclosed area.
+    pub(super) area: f64,
+    /// Precision of the displacements (x, y of the first corner, of the second, ...).
+    pub(super) precision: DMatrix<f64>,
+    /// Its logarithmic determinant.
+    pub(super) log_det: f64,
+}
+
+impl FlexibleTemplate {
+    /// Prepares a template. `mirror` holds pairs of points that are mirror images of each other (may be empty).
+    pub fn new(outline: &Outline, mirror: &[[Point; 2]], parameters: &FitParameters) -> Self {
+        let reversed = outline.signed_area() < 0.0;
+        let outline = outline.clone().positive();
+        let points = outline.points();
+        let centre = outline.centroid();
+        let unit = outline.signed_area().sqrt();
+        let n = points.len();
+        let mut precision = DMatrix::zeros(2 * n, 2 * n);
+
+        let shape = (parameters.shape * unit).powi(-2);
+        for k in 0..2 * n {
+            precision[(k, k)] += shape;
+        }
+        for i in 0..n {
+            let j = (i + 1) % n;
+            let length = (points[j] - points[i]).norm();
+            let spread = parameters.edge_floor * unit + parameters.edge * length;
+            add_difference(&mut precision, i, j, &Matrix2::identity(), spread.powi(-2));
+        }
+        let asymmetry = (parameters.asymmetry * unit).powi(-2);
+        if let Some(map) = mirror_map(mirror) {
+            for (i, j) in mirror_vertices(points, &map, 0.02 * unit) {
+                if i == j {
+                    // A corner on the mirror axis should stay there.
+                    let across = (Matrix2::identity() - map.linear) / 2.0;
+                    add_form(&mut precision, i, &across, 2.0 * asymmetry);
+                } else {
+                    add_difference(&mut precision, i, j, &map.linear, asymmetry);
+                }
+            }
+        }
+        let log_det = log_determinant(&precision).unwrap_or(0.0);
+        let corners = points.iter().map(|p| p - centre).collect();
+        Self {
+            corners,
+            centre,
+            reversed,
+            area: outline.signed_area(),
+            precision,
+            log_det,
+        }
+    }
+
+    /// Minus log of the prior density of displacements, without its constant.
+    pub(super) fn cost(&self, displacement: &DVector<f64>) -> f64 {
+        0.5 * displacement.dot(&(&self.precision * displacement))
+    }
+}
+
+/// Adds `weight |d_j - M d_i|^2` to the quadratic form.
+fn add_difference(precision: &mut DMatrix<f64>, i: usize, j: usize, m: &Matrix2<f64>, weight: f64) {
+    add_form(precision, i, m, weight);
+    add_form(precision, j, &Matrix2::identity(), weight);
+    for r in 0..2 {
+        for c in 0..2 {
+            precision[(2 * j + r, 2 * i + c)] -= weight * m[(r, c)];
+            precision[(2 * i + c, 2 * j + r)] -= weight * m[(r, c)];
+        }
+    }
+}
+
+/// Adds `weight |M d_i|^2` to the quadratic form.
+fn add_form(precision: &mut DMatrix<f64>, i: usize, m: &Matrix2<f64>, weight: f64) {
+    let form = m.transpose() * m * weight;
+    for r in 0..2 {
+        for c in 0..2 {
+            precision[(2 * i + r, 2 * i + c)] += form[(r, c)];
+        }
+    }
+}
+
+/// The reflection that best maps every point of the pairs onto its partner.
+fn mirror_map(pairs: &[[Point; 2]]) -> Option<PlaneMap> {
+    let flip = |p: &Point| Point::new(-p.x, p.y);
+    let from: Vec<Point> = pairs.iter().flat_map(|[a, b]| [flip(a), flip(b)]).collect();
+    let to: Vec<Point> = pairs.iter().flat_map(|[a, b]| [*b, *a]).collect();
+    let mut map = PlaneMap::similarity(&from, &to, None)?;
+    map.linear.column_mut(0).neg_mut();
+    Some(map)
+}
+
+/// Pairs of corners that the reflection maps onto each other; a corner on its axis is paired with itself.
+fn mirror_vertices(points: &[Point], map: &PlaneMap, tolerance: f64) -> Vec<(usize, usize)> {
+    let partner = |i: usize| {
+        let image = map.apply(&points[i]);
+        let distance = |j: usize| (points[j] - image).norm();
+        let j = (0..points.len()).fold(0, |best, j| if distance(j) < distance(best) { j } else { best });
+        (distance(j) <= tolerance).then_some(j)
+    };
+    (0..points.len())
+        .filter_map(|i| partner(i).filter(|&j| i <= j).map(|j| (i, j)))
+        .collect()
+}
+
+/// Logarithmic determinant of a positive definite matrix.
+pub(super) fn log_determinant(matrix: &DMatrix<f64>) -> Option<f64> {
+    let factor = matrix.clone().cholesky()?;
+    Some(2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trapezium() -> FlexibleTemplate {
+        let p = [(-20.0, 0.0), (20.0, 0.0), (30.0, 50.0), (-30.0, 50.0)].map(|(x, y)| Point::new(x, y));
+        let outline = Outline::new(p.to_vec()).unwrap();
+        FlexibleTemplate::new(&outline, &[[p[0], p[1]], [p[3], p[2]]], &FitParameters::default())
+    }
+
+    #[test]
+    fn one_sided_changes_cost_more_than_mirrored_ones() {
+        let template = trapezium();
+        let wider = DVector::from_vec(vec![-2.0, 0.0, 2.0, 0.0, 2.0, 0.0, -2.0, 0.0]);
+        let skewed = DVector::from_vec(vec![2.0, 0.0, 2.0, 0.0, -2.0, 0.0, -2.0, 0.0]);
+        assert!(template.cost(&wider) < template.cost(&skewed));
+        assert_eq!(template.cost(&DVector::zeros(8)), 0.0);
+    }
+}

@@ -1,0 +1,227 @@
+"""The panels of the picture of a result; :mod:`foldrs.plot` lays them out.
+
+One colour means one thing in all panels; the colours (after Okabe and Ito) suit any colour vision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from foldrs import _core
+from foldrs import _plot_pens as pens
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from foldrs.image import RgbImage
+    from foldrs.result import Alternative, FitResult, FittedTemplate
+
+Points = NDArray[np.float64]
+
+SEEN = "#0072b2"
+CREASE = "#d00000"
+UNFOLDED = "#e69f00"
+KEPT = "#56b4e9"
+FLAP = "#e69f00"
+GRASP = "#00b383"
+MODEL = "black"
+FAINT = "0.6"
+
+_MOVED = 0.02  # share of the garment's size from which on a point counts as moved by unfolding
+_COMPARED = 200  # points of the folded model whose distance from the outline is measured
+
+
+def draw_evidence(ax: Axes, result: FitResult, image: RgbImage | None, sides: Sequence[Points]) -> None:
+    """Draw what was seen and what follows from it: crease, garment unfolded, landmarks, grasp points."""
+    marks = [mark.image for mark in result.landmarks.values()]
+    pens.frame(
+        ax, np.vstack([result.outline_image, result.unfolded_outline_image, result.fold.axis_image, *marks])
+    )
+    pens.photograph(ax, image)
+    pens.line(
+        ax, pens.closed(result.unfolded_outline_image), UNFOLDED, 2.2, halo="black", linestyle=(0, (4, 2.5))
+    )
+    pens.line(ax, pens.closed(result.outline_image), SEEN, 2.0, halo="white")
+    for side in sides:
+        pens.dimension(ax, side)
+    for earlier in result.folds[:-1]:
+        pens.line(ax, earlier.axis_image, CREASE, 2.0, halo="white", linestyle=(0, (3, 2)), zorder=5)
+    pens.line(ax, result.fold.axis_image, CREASE, 4.0, halo="white", zorder=5)
+
+    best = result.grasp_pairs[0].landmarks if result.grasp_pairs else ()
+    lines = [_crease_points(result)]
+    if best:
+        lines += _draw_grasp(ax, result, best)
+    for mark in result.landmarks.values():
+        pens.dot(ax, mark.image, filled=mark.accessible)
+    pens.names(ax, {n: m.image for n, m in result.landmarks.items()}, np.vstack(lines), best)
+
+
+def draw_fitted_template(ax: Axes, result: FitResult) -> None:
+    """Draw the fitted template with its axis, over the one given with the axis of the matching stage."""
+    given, fitted = result.original_template, result.template
+    pens.frame(ax, np.vstack([given.outline, fitted.outline, given.axis, fitted.axis]), margin=0.2)
+    if is_fitted(result):
+        pens.line(ax, pens.closed(given.outline), FAINT, 1.2, zorder=1)
+        pens.line(ax, given.axis, FAINT, 2.0, linestyle=(0, (3, 1.5)), zorder=2)
+    _draw_layers_unfolded(ax, fitted)
+    pens.line(ax, pens.closed(fitted.outline), MODEL, 1.5)
+    pens.line(ax, fitted.axis, CREASE, 3.0, halo="white", zorder=4)
+    for point in fitted.landmarks.values():
+        pens.dot(ax, point, filled=True, size=4)
+    pens.names(ax, fitted.landmarks, pens.along(fitted.axis))
+
+
+def draw_agreement(ax: Axes, result: FitResult, image: RgbImage | None) -> str:
+    """Draw the model, folded, over the outline seen; return how well they agree, in words."""
+    folded = folded_layers(result)
+    model = folded.outline if folded else result.unfolded_outline_image
+    pens.frame(ax, np.vstack([result.outline_image, model]))
+    pens.photograph(ax, image, pale=True)
+    if folded:
+        pens.fill(ax, folded.kept, KEPT, 0.4)
+        pens.fill(ax, folded.flap, FLAP, 0.45)
+    pens.line(ax, pens.closed(result.outline_image), SEEN, 2.4, halo="white")
+    pens.line(ax, pens.closed(model), MODEL, 1.4, halo="white")
+    pens.line(ax, result.fold.axis_image, CREASE, 2.5, halo="white", zorder=4)
+    _, off, _ = _core.nearest_on_outline(result.outline_image, _core.resample(model, _COMPARED))
+    overlap = _core.outline_iou(model, result.outline_image)
+    return f"overlap {overlap:.0%}, mean distance {off.mean():.1f} px"
+
+
+def draw_alternative(on_outline: Axes, on_template: Axes, seen: Points, alternative: Alternative) -> None:
+    """Draw the crease of an explanation on the outline seen, and its fold on its template."""
+    pens.frame(on_outline, np.vstack([seen, alternative.fold.axis_image]))
+    on_outline.fill(*seen.T, color=SEEN, alpha=0.15, linewidth=0)
+    pens.line(on_outline, pens.closed(seen), SEEN, 1.2)
+    pens.line(on_outline, alternative.fold.axis_image, CREASE, 3.0, halo="white", zorder=4)
+    template = alternative.template
+    pens.frame(on_template, np.vstack([template.outline, template.axis]))
+    _draw_layers_unfolded(on_template, template)
+    pens.line(on_template, pens.closed(template.outline), MODEL, 1.0)
+    pens.line(on_template, template.axis, CREASE, 2.2, halo="white", zorder=4)
+
+
+def draw_match(
+    on_photo: Axes, on_template: Axes, match: tuple[Points, Points], colour: Any, name: str
+) -> None:
+    """Draw a piece of the seen outline and the piece of the template it was matched with in one colour."""
+    for ax, piece in ((on_photo, match[0]), (on_template, match[1])):
+        ax.plot(*piece.T, color=colour, linewidth=6, alpha=0.45, solid_capstyle="butt", zorder=3)
+        middle = piece[len(piece) // 2]
+        ax.text(
+            middle[0],
+            middle[1],
+            name,
+            fontsize=pens.NAME_SIZE,
+            ha="center",
+            va="center",
+            zorder=8,
+            bbox=pens.NAME_LOOK,
+        )
+
+
+def legend_entries(result: FitResult, with_sides: bool) -> list[Any]:
+    """Return the legend's handles for all that is drawn."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    def marker(filled: bool) -> dict[str, Any]:
+        face = "black" if filled else "white"
+        return {"linestyle": "none", "marker": "o", "color": "black", "markerfacecolor": face}
+
+    entries = [
+        Line2D([], [], color=SEEN, linewidth=2.4, label="outline seen"),
+        Line2D([], [], color=CREASE, linewidth=4, label="crease, fold axis"),
+        Line2D([], [], color=UNFOLDED, linewidth=2.4, linestyle="--", label="unfolded"),
+        Patch(color=KEPT, alpha=0.5, label="kept part"),
+        Patch(color=FLAP, alpha=0.5, label="flap"),
+        Line2D([], [], color=MODEL, linewidth=1.5, label="model"),
+        Line2D([], [], label="landmark in reach", **marker(True)),
+        Line2D([], [], label="landmark out of reach", **marker(False)),
+    ]
+    if is_fitted(result):
+        entries.append(Line2D([], [], color=FAINT, linewidth=1.5, label="template as given"))
+    if result.grasp_pairs:
+        ring = {"linestyle": "none", "marker": "o", "markersize": 11, "markerfacecolor": "none"}
+        entries.append(
+            Line2D(
+                [],
+                [],
+                color=GRASP,
+                markeredgewidth=3,
+                label="best grasp pair, unfolding",
+                **ring,
+            )
+        )
+    if with_sides:
+        entries.append(Line2D([], [], color="black", linewidth=1, marker="|", label="candidate crease"))
+    return entries
+
+
+def is_fitted(result: FitResult) -> bool:
+    """Whether the fitted template differs from the one given."""
+    given, fitted = result.original_template, result.template
+    if given.outline.shape != fitted.outline.shape:
+        return True
+    return not (np.allclose(given.outline, fitted.outline) and np.allclose(given.axis, fitted.axis))
+
+
+def folded_layers(result: FitResult) -> _core.FoldedLayers | None:
+    """Fold the garment of the result fold by fold: the layers of the last; None if it folds nothing."""
+    layers, outline = None, result.unfolded_outline_image
+    for fold in result.folds:
+        layers = _fold(outline, fold.axis_image)
+        if layers is None:
+            return None
+        outline = layers.outline
+    return layers
+
+
+def _fold(outline: Points, axis: Points) -> _core.FoldedLayers | None:
+    # An axis may miss its outline by a hair after rounding or fitting: then there is nothing to shade.
+    try:
+        return _core.fold_layers(outline, axis)
+    except ValueError:
+        return None
+
+
+def _draw_layers_unfolded(ax: Axes, template: FittedTemplate) -> None:
+    """Shade the kept part and the flap of a template, the flap turned back."""
+    ax.fill(*template.outline.T, color="white", linewidth=0, zorder=0.5)
+    if layers := _fold(template.outline, template.axis):
+        pens.fill(ax, layers.kept, KEPT, 0.35)
+        pens.fill(ax, [_core.reflect(piece, template.axis) for piece in layers.flap], FLAP, 0.5)
+
+
+def _draw_grasp(ax: Axes, result: FitResult, names: tuple[str, str]) -> list[Points]:
+    """Ring a grasp pair, join its points, and point to where unfolding takes them; return the lines."""
+    points = np.array([result.landmarks[name].image for name in names])
+    lines = [pens.along(points)]
+    pens.line(ax, points, GRASP, 1.6, halo="white", zorder=5)
+    unfolded = _landmarks_unfolded(result)
+    size = float(np.ptp(result.outline_image, axis=0).max())
+    for name, now in zip(names, points, strict=True):
+        if name in unfolded and np.hypot(*(unfolded[name] - now)) > _MOVED * size:
+            pens.arrow(ax, now, unfolded[name], GRASP)
+            lines.append(pens.along(np.array([now, unfolded[name]])))
+    pens.rings(ax, points, GRASP)
+    return lines
+
+
+def _landmarks_unfolded(result: FitResult) -> dict[str, Points]:
+    """Where the landmarks lie in the image when the garment is unfolded again."""
+    outline, unfolded = result.template.outline, result.unfolded_outline_image
+    if outline.shape != unfolded.shape:
+        return {}
+    # The unfolded outline is the template's, laid into the image: their corners correspond.
+    to_image, *_ = np.linalg.lstsq(np.column_stack([outline, np.ones(len(outline))]), unfolded, rcond=None)
+    return {name: np.append(point, 1.0) @ to_image for name, point in result.template.landmarks.items()}
+
+
+def _crease_points(result: FitResult) -> Points:
+    return np.vstack([pens.along(fold.axis_image) for fold in result.folds])

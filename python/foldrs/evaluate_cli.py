@@ -1,0 +1,124 @@
+"""The command ``foldrs evaluate``: the paper's tables for scenes, or for templates folded virtually."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from foldrs.errors import FoldrsError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from foldrs.evaluation import Evaluation, Scene, SceneMeasures
+    from foldrs.template import Template
+
+    Scenes = Sequence[Scene] | Sequence[tuple[Scene, Template]]
+
+_PROTOCOLS = ("synthetic", "own", "generic", "open")
+
+_WIDTH = 110
+"""Columns of text where no terminal says how many there are: the tables' own width."""
+
+
+@click.command("evaluate")
+@click.argument("scenes", required=False, type=click.Path(path_type=Path), metavar="SCENES")
+@click.option(
+    "--protocol",
+    type=click.Choice(_PROTOCOLS),
+    default="generic",
+    show_default=True,
+    help="synthetic: templates folded virtually, no SCENES read; own: each garment's own flat outline is its "
+    "template; generic: the kind is given; open: all templates compete.",
+)
+@click.option(
+    "--template",
+    "templates",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="Template file to use instead of the built-in ones; may be repeated.",
+)
+@click.option("--px-per-cm", type=float, help="Known scale; without it the scale is found.")
+@click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
+@click.option(
+    "--outlines", is_flag=True, help="Use the true outlines, not the photographs: the matching alone."
+)
+@click.option(
+    "--count", type=click.IntRange(1), default=60, show_default=True, help="Folds of --protocol synthetic."
+)
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of --protocol synthetic."
+)
+@click.option("--jobs", type=click.IntRange(1), help="Scenes and hypotheses at a time; default: all cores.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for evaluation.csv, evaluation.json and predictions/NAME.json.",
+)
+def evaluate_command(
+    scenes: Path | None,
+    protocol: Literal["synthetic", "own", "generic", "open"],
+    templates: tuple[Path, ...],
+    px_per_cm: float | None,
+    method: Literal["best", "paper"],
+    outlines: bool,
+    count: int,
+    seed: int,
+    jobs: int | None,
+    out: Path | None,
+) -> None:
+    """Measure how well folds are found, and print Tables 1 and 2 of the paper, per kind and overall.
+
+    SCENES is a folder of photographs NAME.jpg (or .png, ...) with the truth about each in NAME.json. A scene
+    that cannot be explained counts as a failure in every rate and is listed with the reason.
+    """
+    from rich.console import Console
+
+    from foldrs.evaluation import Evaluation, load_scenes, print_tables, virtual_scenes, write_csv, write_json
+    from foldrs.evaluation.virtual import PX_PER_CM
+    from foldrs.pipeline import check_scale, choose_templates
+
+    if protocol != "synthetic" and scenes is None:
+        raise click.UsageError(f"--protocol {protocol} needs SCENES")
+    found: Scenes
+    try:
+        check_scale(px_per_cm)
+        chosen = choose_templates(templates or None, None)
+        if protocol == "synthetic":
+            found, px_per_cm, outlines = virtual_scenes(chosen, count, seed), PX_PER_CM, True
+        else:
+            assert scenes is not None
+            found = load_scenes(scenes)
+    except FoldrsError as error:
+        raise click.ClickException(str(error)) from error
+    predictions = None if out is None else out / "predictions"
+    if predictions is not None:
+        predictions.mkdir(parents=True, exist_ok=True)
+
+    rows = _run(Evaluation(protocol, chosen, px_per_cm, method, outlines, predictions), found, jobs)
+    console = Console()
+    print_tables(rows, console if console.is_terminal else Console(width=_WIDTH))
+    for row in rows:
+        if row.error:
+            click.secho(f"{row.scene}: {row.error}", fg="red", err=True)
+    if out is not None:
+        options = {"protocol": protocol, "method": method, "px_per_cm": px_per_cm, "true_outlines": outlines}
+        if protocol == "synthetic":
+            options |= {"count": count, "seed": seed}
+        write_csv(rows, out / "evaluation.csv")
+        write_json(rows, options, out / "evaluation.json")
+
+
+def _run(evaluation: Evaluation, scenes: Scenes, jobs: int | None) -> list[SceneMeasures]:
+    """Measures of all scenes by name, with a progress bar if there is a terminal to see it."""
+    from rich.console import Console
+    from rich.progress import track
+
+    from foldrs.evaluation import run_all
+
+    console = Console(stderr=True)
+    running = run_all(evaluation, scenes, jobs)
+    shown = track(running, "evaluating", total=len(scenes), console=console, disable=not console.is_terminal)
+    return sorted(shown, key=lambda row: row.scene)

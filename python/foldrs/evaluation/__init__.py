@@ -1,0 +1,40 @@
+"""How good the method is: the measures of the paper's Tables 1 and 2 over scenes of known truth (section 4).
+
+One module a step: :mod:`~foldrs.evaluation.scenes` (ground truth), :mod:`~foldrs.evaluation.virtual`
+(templates folded virtually), :mod:`~foldrs.evaluation.kinds` (landmark order and symmetries of a kind),
+:mod:`~foldrs.evaluation.landmarked` and :mod:`~foldrs.evaluation.axes` (true axes carried onto templates),
+:mod:`~foldrs.evaluation.geometry` (overlaps), :mod:`~foldrs.evaluation.measures` (one scene),
+:mod:`~foldrs.evaluation.run` (the protocols), :mod:`~foldrs.evaluation.tables` (means over many) and
+:mod:`~foldrs.evaluation.report` (how they are shown and written).
+
+The geometry is shapely's, not the compiled module's: a yardstick shares no code with what it measures.
+"""
+
+from foldrs.evaluation.kinds import Kind
+from foldrs.evaluation.measures import SceneMeasures, failed, measure
+from foldrs.evaluation.report import print_tables, write_csv, write_json
+from foldrs.evaluation.run import PROTOCOLS, Evaluation, Protocol, run_all
+from foldrs.evaluation.scenes import Scene, TrueLandmark, load_scenes
+from foldrs.evaluation.tables import Summary, summary, table
+from foldrs.evaluation.virtual import virtual_scenes
+
+__all__ = [
+    "PROTOCOLS",
+    "Evaluation",
+    "Kind",
+    "Protocol",
+    "Scene",
+    "SceneMeasures",
+    "Summary",
+    "TrueLandmark",
+    "failed",
+    "load_scenes",
+    "measure",
+    "print_tables",
+    "run_all",
+    "summary",
+    "table",
+    "virtual_scenes",
+    "write_csv",
+    "write_json",
+]

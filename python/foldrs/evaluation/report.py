@@ -1,0 +1,140 @@
+"""The tables as they are shown, and as CSV and JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from foldrs.evaluation.measures import SceneMeasures
+from foldrs.evaluation.tables import OVERALL, Summary, table
+from foldrs.result import write_whole
+
+Column = tuple[str, Callable[[Summary], str]]
+
+
+def _number(value: float, digits: int = 1) -> str:
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def _with_deviation(value: float, deviation: float, digits: int = 1) -> str:
+    return "-" if math.isnan(value) else f"{value:.{digits}f} ± {deviation:.{digits}f}"
+
+
+_AXIS: tuple[Column, ...] = (
+    ("n", lambda s: str(s.n)),
+    ("EucDist (cm)", lambda s: _number(s.euc_dist_cm)),
+    ("CLRm (%)", lambda s: _number(s.clr_matched)),
+    ("CLRf (%)", lambda s: _number(s.clr_fitted)),
+    ("dA (%)", lambda s: _with_deviation(s.da, s.da_deviation)),
+    ("dθ (°)", lambda s: _with_deviation(s.dtheta, s.dtheta_deviation)),
+    ("NMM", lambda s: str(s.nmm)),
+    ("MCD (%)", lambda s: _number(s.mcd)),
+)
+
+_LANDMARKS: tuple[Column, ...] = (
+    ("Pixels", lambda s: _with_deviation(s.landmark_px, s.landmark_px_deviation, 2)),
+    ("cm", lambda s: _with_deviation(s.landmark_cm, s.landmark_cm_deviation, 2)),
+)
+
+_FURTHER: tuple[Column, ...] = (
+    ("failed", lambda s: str(s.failed)),
+    ("type (%)", lambda s: _number(s.type_rate)),
+    ("seg IoU", lambda s: _number(s.segmentation_iou, 3)),
+    ("top 3 (%)", lambda s: _number(s.clr_top3)),
+    ("pair (%)", lambda s: _number(s.pair_rate)),
+    ("unf IoU", lambda s: _number(s.unfolded_iou, 3)),
+    ("crease (%)", lambda s: _number(s.crease_rate)),
+    ("median s", lambda s: _number(s.seconds, 2)),
+)
+
+_TABLES = (
+    ("Table 1: fold axis localisation", _AXIS),
+    ("Table 2: landmark point error distance", _LANDMARKS),
+    ("Further measures", _FURTHER),
+)
+
+
+def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
+    """Print Table 1, Table 2 and the further measures, per kind and overall."""
+    summaries = table(rows)
+    for title, columns in _TABLES:
+        console.print(_rich_table(title, columns, summaries))
+
+
+def write_csv(rows: Sequence[SceneMeasures], path: Path) -> None:
+    """Write one line a scene; empty cells are measures that do not apply."""
+    text = io.StringIO()
+    records = [_record(row) for row in rows]
+    writer = csv.DictWriter(text, fieldnames=list(records[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
+    write_whole(path, text.getvalue().encode())
+
+
+def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: Path) -> None:
+    """Write the options of the run, the table (kinds and overall) and one record a scene."""
+    content = {
+        "schema": 1,
+        "options": dict(options),
+        "table": {kind: summary.to_dict() for kind, summary in table(rows).items()},
+        "scenes": [{**_record(row), "landmarks_px": list(row.landmarks_px)} for row in rows],
+    }
+    write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())
+
+
+def _rich_table(title: str, columns: Sequence[Column], summaries: Mapping[str, Summary]) -> Table:
+    shown = Table(title=title, title_justify="left")
+    shown.add_column("Type")
+    for name, _ in columns:
+        shown.add_column(name, justify="right", no_wrap=True)
+    for kind, one in summaries.items():
+        if kind == OVERALL:
+            shown.add_section()
+        shown.add_row(kind.capitalize(), *(cell(one) for _, cell in columns))
+    return shown
+
+
+def _record(row: SceneMeasures) -> dict[str, Any]:
+    """One scene flat, by the names the measures have in the tables."""
+    return {
+        "scene": row.scene,
+        "type": row.garment_type,
+        "garment": row.garment,
+        "scenario": row.scenario,
+        "error": row.error,
+        "predicted_type": row.predicted_type,
+        "type_right": row.type_right,
+        "seg_iou": row.segmentation_iou,
+        "euc_dist_cm": row.template_distance_cm,
+        "dA_m": _finite(row.axis_error_matched),
+        "dA": _finite(row.axis_error),
+        "dtheta": row.axis_angle,
+        "right_m": row.right_matched,
+        "right_f": row.right,
+        "right_top3": row.right_in_first,
+        "mismatch": row.mismatch,
+        "mcd": row.cost_decrease,
+        "landmarks": len(row.landmarks_px),
+        "landmark_px": float(np.mean(row.landmarks_px)) if row.landmarks_px else None,
+        "landmark_cm": float(np.mean(row.landmarks_cm)) if row.landmarks_cm else None,
+        "pair_due": row.pair_due,
+        "pair_right": row.pair_right,
+        "unf_iou": row.unfolded_iou,
+        "creases": len(row.creases_met) if row.folded_twice else None,
+        "creases_met": sum(row.creases_met) if row.folded_twice else None,
+        "seconds": row.seconds,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON knows no infinity: dA on a template without area."""
+    return value if value is not None and math.isfinite(value) else None

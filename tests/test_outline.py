@@ -1,0 +1,341 @@
+"""Stage 0 finds the garment's outline on tables of many kinds, and names what keeps it from doing so."""
+
+from __future__ import annotations
+
+import json
+import threading
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+from shapely.geometry import Polygon
+
+from foldrs.errors import (
+    GarmentCutOffError,
+    GarmentCutOffWarning,
+    GarmentTooSmallError,
+    InvalidOutlineError,
+    NoGarmentError,
+    NotAnImageError,
+    OutlineError,
+    SeveralGarmentsError,
+)
+from foldrs.outline import as_outline, find_outline, outline_of_mask, segment
+from foldrs.parameters import OutlineParameters
+
+WIDTH, HEIGHT = 640, 480
+PULLOVER = np.array(  # a folded pullover with a gap of 12 px between one sleeve and the body
+    [
+        [240, 110], [290, 120], [340, 110], [440, 150], [490, 330], [455, 340], [412, 200],
+        [415, 370], [225, 370], [222, 190], [182, 250], [150, 225], [190, 145],
+    ],
+    float,
+)  # fmt: skip
+
+
+def filled(points: np.ndarray, shape: tuple[int, int] = (HEIGHT, WIDTH)) -> np.ndarray:
+    """Mask (h, w) bool of a polygon."""
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillPoly(mask, [np.round(points).astype(np.int32)], 1)
+    return mask > 0
+
+
+def iou(a: np.ndarray, b: np.ndarray) -> float:
+    first, second = Polygon(a).buffer(0), Polygon(b).buffer(0)
+    return first.intersection(second).area / first.union(second).area
+
+
+def noise(rng: np.random.Generator, size: float) -> np.ndarray:
+    """Smooth noise (h, w) of unit spread whose patches are about `size` px."""
+    grain = rng.standard_normal((int(HEIGHT / size) + 2, int(WIDTH / size) + 2)).astype(np.float32)
+    whole = cv2.resize(grain, (WIDTH, HEIGHT), interpolation=cv2.INTER_CUBIC)
+    return whole / whole.std()
+
+
+def photograph(
+    cloth: tuple[int, int, int] = (60, 90, 150),
+    table: tuple[int, int, int] = (225, 220, 210),
+    *,
+    print_colour: tuple[int, int, int] | None = None,
+    pattern: str = "none",
+    grain: float = 0.0,
+    shadow: float = 0.3,
+    vignette: float = 0.3,
+    shape: np.ndarray = PULLOVER,
+) -> np.ndarray:
+    """A synthetic photograph (h, w, 3) uint8 of cloth on a vignetted table, with a soft shadow and noise."""
+    rng = np.random.default_rng(7)
+    y, x = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
+    mask = cv2.GaussianBlur(filled(shape).astype(np.float32), (0, 0), 0.6)
+    marks = {
+        "none": np.zeros_like(x),
+        "stripes": ((x + y) / 22 % 1 < 0.5).astype(np.float32),
+        "dots": ((x / 18 % 1 - 0.5) ** 2 + (y / 18 % 1 - 0.5) ** 2 < 0.07).astype(np.float32),
+        "motif": ((x - 320) ** 2 + (y - 250) ** 2 < 60**2).astype(np.float32),
+    }[pattern][..., None]
+    garment = np.array(cloth) * (1 - marks) + np.array(print_colour or cloth) * marks
+    garment *= (1 + 0.03 * noise(rng, 30) + 0.02 * noise(rng, 2))[..., None]
+    wood = noise(rng, 4) * 0.5 + np.sin(y / 9 + 2 * noise(rng, 150)) * 0.7
+    ground = np.array(table) + (grain * wood)[..., None]
+    blurred = cv2.GaussianBlur(np.roll(mask, (4, 3), axis=(0, 1)), (0, 0), 6)
+    ground *= (1 - shadow * blurred)[..., None]
+    picture = ground * (1 - mask[..., None]) + garment * mask[..., None]
+    picture *= (1 - vignette * 2 * ((x / WIDTH - 0.45) ** 2 + (y / HEIGHT - 0.5) ** 2))[..., None]
+    picture += rng.normal(0, 2, picture.shape)
+    picture = np.clip(picture, 0, 255).astype(np.uint8)
+    _, jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 85])
+    return cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
+
+
+PHOTOGRAPHS = {
+    "blue on a bright table": ({}, 0.97),
+    "strong shadow": ({"shadow": 0.5}, 0.97),
+    "white on light grey": ({"cloth": (240, 240, 238), "table": (200, 198, 190)}, 0.94),
+    "grey on white": ({"cloth": (180, 182, 185), "table": (235, 235, 230)}, 0.92),
+    "dark on dark": ({"cloth": (25, 25, 45), "table": (60, 52, 45)}, 0.96),
+    "beige on wood": ({"cloth": (215, 200, 180), "table": (160, 120, 80), "grain": 12}, 0.96),
+    "red on wood": ({"cloth": (150, 40, 50), "table": (160, 120, 80), "grain": 15}, 0.97),
+    "striped, one stripe nearly the table's colour": (
+        {"pattern": "stripes", "cloth": (40, 50, 110), "print_colour": (222, 218, 212)},
+        0.90,
+    ),
+    "dots of the table's colour": (
+        {"pattern": "dots", "cloth": (30, 110, 90), "print_colour": (225, 220, 210)},
+        0.92,
+    ),
+    "dark motif on pale cloth": (
+        {
+            "pattern": "motif",
+            "cloth": (245, 245, 245),
+            "print_colour": (40, 20, 60),
+            "table": (205, 203, 196),
+        },
+        0.94,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PHOTOGRAPHS)
+def test_outline_on_many_tables(name: str) -> None:
+    options, floor = PHOTOGRAPHS[name]
+    found = find_outline(photograph(**options))
+    assert iou(found.points, PULLOVER) >= floor
+    assert Polygon(found.points).is_valid
+
+
+def test_gap_between_sleeve_and_body_stays_open() -> None:
+    mask = segment(photograph())
+    assert not mask[255, 200:215].any()
+    assert mask[215, 175:190].all()
+
+
+def test_finds_the_same_at_any_size() -> None:
+    small = photograph()
+    want = find_outline(small).points
+    for width, height in [(320, 240), (2400, 1800)]:
+        found = find_outline(cv2.resize(small, (width, height), interpolation=cv2.INTER_AREA))
+        scale = width / WIDTH
+        assert iou((found.points + 0.5) / scale - 0.5, want) > 0.975
+
+
+def test_same_photograph_same_outline_whatever_else_runs() -> None:
+    picture = photograph(pattern="dots", print_colour=(225, 220, 210))
+    want = find_outline(picture).points
+    results: list[np.ndarray] = []
+
+    def work(seed: int) -> None:
+        cv2.setRNGSeed(seed)
+        results.append(find_outline(picture).points)
+
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 3
+    assert all(np.array_equal(result, want) for result in results)
+
+
+def test_scenes(scenes: Path) -> None:
+    scores = []
+    for truth in sorted(scenes.glob("*.json")):
+        found = find_outline(truth.with_suffix(".jpg"))
+        scores.append(iou(found.points, np.array(json.loads(truth.read_text())["outline_image"])))
+    assert len(scores) >= 50
+    assert np.mean(scores) >= 0.975
+    assert min(scores) >= 0.93
+
+
+def test_empty_tables_hold_no_garment() -> None:
+    for grain in (0, 15):
+        with pytest.raises(NoGarmentError, match="table"):
+            find_outline(photograph(table=(190, 150, 110), grain=grain, shape=np.zeros((3, 2))))
+    with pytest.raises(NoGarmentError, match="one colour"):
+        find_outline(np.full((100, 120, 3), 90, np.uint8))
+
+
+def test_cloth_that_fills_the_picture_is_no_garment() -> None:
+    mask = np.ones((100, 100), bool)
+    with pytest.raises(NoGarmentError, match="whole picture"):
+        find_outline(mask)
+    corners = np.array([[-9, -9], [700, -9], [700, 500], [-9, 500]])
+    with pytest.raises((NoGarmentError, GarmentCutOffError)):
+        find_outline(photograph(shape=corners))
+
+
+def test_several_garments_are_not_chosen_between() -> None:
+    picture = photograph(shape=np.array([[80, 100], [260, 100], [260, 300], [80, 300]]))
+    other = photograph(shape=np.array([[380, 120], [560, 120], [560, 330], [380, 330]]))
+    with pytest.raises(SeveralGarmentsError, match="several"):
+        find_outline(np.concatenate([picture[:, :320], other[:, 320:]], axis=1))
+
+
+def test_a_small_thing_beside_the_garment_is_ignored() -> None:
+    picture = photograph()
+    cv2.circle(picture, (580, 420), 18, (20, 20, 20), cv2.FILLED)
+    assert iou(find_outline(picture).points, PULLOVER) > 0.97
+
+
+def test_garment_cut_off_by_the_border() -> None:
+    with pytest.raises(GarmentCutOffError, match="border"):
+        find_outline(photograph(shape=PULLOVER + np.array([0, 180])))
+    touching = PULLOVER - [0, 116]
+    with pytest.warns(GarmentCutOffWarning, match="border"):
+        find_outline(filled(touching))
+    with pytest.raises(GarmentCutOffError, match="border"):
+        find_outline(filled(PULLOVER + np.array([0, 180])))
+
+
+def test_garment_too_small() -> None:
+    mask = np.zeros((200, 200), bool)
+    mask[90:110, 90:110] = True
+    with pytest.raises(GarmentTooSmallError, match="at least 600"):
+        find_outline(mask)
+    assert len(find_outline(mask, parameters=replace(OutlineParameters(), least_pixels=300)).points) > 60
+    for shape in [(10, 10, 3), (600, 20, 3), (1, 1, 3)]:
+        with pytest.raises(GarmentTooSmallError, match="too small"):
+            find_outline(np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8))
+
+
+def test_masks_stand_in_for_the_segmentation(tmp_path: Path) -> None:
+    picture, mask = photograph(), filled(PULLOVER)
+    Image.fromarray(picture).save(tmp_path / "photo.png")
+    Image.fromarray((mask * 255).astype(np.uint8)).save(tmp_path / "mask.png")
+    want = find_outline(mask)
+    assert want.rgb is None
+    for source in (picture, tmp_path / "photo.png", str(tmp_path / "photo.png")):
+        for given_mask in (mask, mask * 255, tmp_path / "mask.png", str(tmp_path / "mask.png")):
+            found = find_outline(source, mask=given_mask)
+            assert np.array_equal(found.points, want.points)
+            assert np.array_equal(found.mask, mask)
+            assert np.array_equal(found.rgb, picture)
+
+
+def test_masks_that_do_not_fit_are_refused() -> None:
+    picture, mask = photograph(), filled(PULLOVER)
+    with pytest.raises(OutlineError, match="639 x 480"):
+        find_outline(picture, mask=mask[:, :-1])
+    with pytest.raises(NoGarmentError, match="empty"):
+        find_outline(picture, mask=np.zeros_like(mask))
+    with pytest.raises(OutlineError, match="source is a mask"):
+        find_outline(mask, mask=mask)
+    with pytest.raises(OutlineError, match="source is an outline"):
+        find_outline(PULLOVER, mask=mask)
+    with pytest.raises(NotAnImageError, match="shape"):
+        find_outline(picture, mask=PULLOVER[0])
+
+
+def test_threads_in_a_mask_do_not_make_the_outline_cross_itself() -> None:
+    mask = filled(PULLOVER)
+    mask[300, 400:600] = True
+    mask[60:200, 330] = True
+    outline = outline_of_mask(mask)
+    assert Polygon(outline).is_valid
+    assert iou(outline, PULLOVER) > 0.98
+    threads = np.zeros_like(mask)
+    threads[::40] = True
+    with pytest.raises(GarmentTooSmallError, match="0 pixels"):
+        outline_of_mask(threads)
+
+
+def test_several_objects_and_holes_in_a_mask() -> None:
+    mask = filled(PULLOVER)
+    mask[200:260, 300:350] = False
+    mask[10:20, 10:20] = True
+    assert iou(outline_of_mask(mask), PULLOVER) > 0.98
+    two = filled(PULLOVER / 2) | filled(PULLOVER / 2 + [300, 0])
+    with pytest.raises(SeveralGarmentsError, match="several"):
+        outline_of_mask(two)
+
+
+@given(
+    st.integers(40, 90),
+    st.integers(30, 90),
+    st.floats(0, np.pi),
+    st.sampled_from(["C", "F", "reversed", "uint8"]),
+)
+def test_outline_of_a_mask_gives_the_mask_back(width: int, height: int, turn: float, layout: str) -> None:
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [0, 0.2], [-1, 1]]) * [width, height]
+    turned = corners @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]] + [160, 150]
+    mask = filled(turned, (300, 320))
+    array = {
+        "C": mask,
+        "F": np.asfortranarray(mask),
+        "reversed": mask[::-1, ::-1].copy()[::-1, ::-1],
+        "uint8": mask.astype(np.uint8) * 255,
+    }[layout]
+    outline = outline_of_mask(array)
+    assert outline.dtype == np.float64
+    assert Polygon(outline).is_valid
+    back = filled(outline, mask.shape)
+    assert (back & mask).sum() / (back | mask).sum() > 0.98
+    assert np.abs(outline.mean(axis=0) - turned.mean(axis=0)).max() < max(width, height)
+
+
+@given(st.sampled_from(["C", "F", "reversed", "strided", "opencv", "list", "float32", "int32", "closed"]))
+def test_points_of_any_layout(layout: str) -> None:
+    points = {
+        "C": PULLOVER,
+        "F": np.asfortranarray(PULLOVER),
+        "reversed": PULLOVER[::-1].copy()[::-1],
+        "strided": np.repeat(PULLOVER, 2, axis=0)[::2],
+        "opencv": PULLOVER.astype(np.int32)[:, None],
+        "list": PULLOVER.tolist(),
+        "float32": PULLOVER.astype(np.float32),
+        "int32": PULLOVER.astype(np.int32),
+        "closed": np.concatenate([PULLOVER, PULLOVER[:1]]),
+    }[layout]
+    found = find_outline(points)
+    assert np.array_equal(found.points, PULLOVER)
+    assert found.points.dtype == np.float64
+    assert found.points.flags.c_contiguous
+    assert not np.shares_memory(found.points, points if isinstance(points, np.ndarray) else PULLOVER)
+    assert found.rgb is None
+    assert found.mask is None
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (PULLOVER[:2], "2 points"),
+        (PULLOVER[[0, 1, 0]], "2 points"),
+        (np.zeros((0, 2)), "0 points"),
+        (np.where(PULLOVER == 110, np.nan, PULLOVER), "NaN"),
+        (np.where(PULLOVER == 110, np.inf, PULLOVER), "infinity"),
+        (PULLOVER * 1j, "complex"),
+        (PULLOVER.T, "shape"),
+        ([[0, 0], [1]], "numbers"),
+        ([["a", "b"]] * 3, "numbers"),
+    ],
+)
+def test_points_that_are_no_outline(points: object, words: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InvalidOutlineError, match=words):
+            as_outline(points)
