@@ -43,6 +43,7 @@ lint: $(VENV)/.built ## Check format, style and types
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/python docs/list_licences.py --check
 
 .PHONY: docs
 docs: $(VENV)/.built ## Build the documentation: site/index.html, site/rust/foldrs/index.html
@@ -60,6 +61,10 @@ wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/
 	rm -rf dist
 	$(BIN)/maturin build --release --quiet --out dist
 	@ls dist
+
+.PHONY: picture
+picture: demo ## Draw the picture of the README: docs/images/demo.webp
+	$(BIN)/python docs/draw_picture.py
 
 .PHONY: licences
 licences: $(VENV)/.built ## List the licences of all dependencies: docs/licences.md

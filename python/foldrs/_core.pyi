@@ -167,8 +167,8 @@ class JointExplanation:
     def template(self) -> int:
         """Index of the template."""
     @property
-    def candidate(self) -> int:
-        """Index of the candidate it started from."""
+    def original_axis(self) -> _Points:
+        """Axis (2, 2) claimed on the template as given, where the fit started."""
     @property
     def outline(self) -> _Points:
         """Corners of the fitted template, template units, in the order of the template given."""
@@ -187,11 +187,12 @@ class JointExplanation:
 
 def fit_jointly(
     seen: Seen,
+    outlines: Sequence[_Points],
     templates: Sequence[FlexibleTemplate],
-    candidates: Sequence[Candidate],
     scale: float | None = None,
 ) -> list[JointExplanation]:
-    """Fit templates jointly with their creases from the matching stage's candidates; the best evidence first.
+    """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
-    Candidates name their template by its index. `scale` is the number of seen units a template unit, if known.
+    The fits start from what partial matching claims about the axis. `scale` is the number of seen units a template
+    unit, if known.
     """

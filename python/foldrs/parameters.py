@@ -103,10 +103,12 @@ class PartialMatchParameters:
     """Radians: difference of chord angles at which the likeness of two pieces has fallen to 1/e."""
     length: float = 20.0
     """Points at which a piece's length counts 1 - 1/e of the most."""
-    affinity: float = 0.15
+    affinity: float = 0.05
     """Matches of smaller affinity As are dropped."""
-    most: int = 80
+    most: int = 200
     """At most this many matches a face and scale, the best first."""
+    sizes: tuple[float, ...] = (0.85, 1.0)
+    """Sizes of the garment tried, relative to the template's, when the scale is known."""
     scales: tuple[float, ...] = (1.02, 1.14, 1.27, 1.4)
     """Ratios tried when the scale is unknown: one fold hides at most half of the area, so the garment is 1 to
     1.42 times as large as an equal area says."""
@@ -126,8 +128,6 @@ class HypothesisParameters:
     distance_bin: float = 0.03
     """Width of the bins over the axis's distance from the template's centre, as a share of the square root of its
     area: some 1.5 cm."""
-    confidence: float = 0.01
-    """Hypotheses of less than this share of the best one's confidence are dropped."""
     most: int = 80
     """At most this many hypotheses a template are tested, the most confident first."""
 
@@ -207,7 +207,9 @@ class JointFitParameters:
     """At most this many iterations with the true noise."""
     longest_step: float = 6.0
     """Longest step of a corner in one iteration."""
-    refined: int = 24
+    starts: int = 300
+    """At most this many claims a template are tried, the most confident first."""
+    refined: int = 40
     """Starts a template that are fitted to the end, the most promising first."""
 
 

@@ -1,9 +1,10 @@
 //! The joint fit.
 
 use crate::convert::{array, outline, points};
-use crate::matching::{map_array, PyCandidate, PySeen};
+use crate::matching::{map_array, PySeen};
 use foldrs::fit::{explain_jointly, FlexibleTemplate, JointExplanation};
-use foldrs::Point;
+use foldrs::matching::claim_axes;
+use foldrs::{Outline, Point, Segment};
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -37,63 +38,73 @@ impl PyFlexibleTemplate {
 
 /// A template fitted jointly with its crease.
 #[pyclass(frozen, module = "foldrs._core", name = "JointExplanation")]
-pub(crate) struct PyJointExplanation(JointExplanation);
+pub(crate) struct PyJointExplanation {
+    fit: JointExplanation,
+    original_axis: Segment,
+}
 
 #[pymethods]
 impl PyJointExplanation {
     #[getter]
     fn template(&self) -> usize {
-        self.0.template
+        self.fit.template
     }
 
     #[getter]
-    fn candidate(&self) -> usize {
-        self.0.candidate
+    fn original_axis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        array(py, &self.original_axis)
     }
 
     #[getter]
     fn outline<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.0.outline)
+        array(py, &self.fit.outline)
     }
 
     #[getter]
     fn axis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.0.axis)
+        array(py, &self.fit.axis)
     }
 
     #[getter]
     fn crease<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.0.crease)
+        array(py, &self.fit.crease)
     }
 
     #[getter]
     fn to_seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        map_array(py, &self.0.to_seen)
+        map_array(py, &self.fit.to_seen)
     }
 
     #[getter]
     fn surprise(&self) -> f64 {
-        self.0.surprise
+        self.fit.surprise
     }
 }
 
+/// Claims about the fold axis, without testing them, and the joint fits they lead to; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, templates, candidates, scale=None))]
+#[pyo3(signature = (seen, outlines, templates, scale=None))]
 pub(crate) fn fit_jointly(
     py: Python<'_>,
     seen: &PySeen,
+    outlines: Vec<PyReadonlyArray2<'_, f64>>,
     templates: Vec<PyRef<'_, PyFlexibleTemplate>>,
-    candidates: Vec<PyRef<'_, PyCandidate>>,
     scale: Option<f64>,
 ) -> PyResult<Vec<PyJointExplanation>> {
-    let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
-    let candidates: Vec<_> = candidates.iter().map(|c| c.0.clone()).collect();
-    if candidates.iter().any(|c| c.template >= templates.len()) {
-        return Err(PyValueError::new_err(
-            "a candidate names a template that is not given",
-        ));
+    if outlines.len() != templates.len() {
+        return Err(PyValueError::new_err("every outline needs its template"));
     }
-    let fits =
-        py.detach(|| explain_jointly(&seen.seen, &templates, &candidates, scale, &seen.parameters.fit));
-    Ok(fits.into_iter().map(PyJointExplanation).collect())
+    let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
+    let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
+    let fits = py.detach(|| {
+        let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
+        let fits = explain_jointly(&seen.seen, &templates, &claims, scale, &seen.parameters.fit);
+        fits.into_iter()
+            .map(|fit| PyJointExplanation {
+                original_axis: claims[fit.claim].hypothesis.axis,
+                fit,
+            })
+            .collect()
+    });
+    Ok(fits)
 }

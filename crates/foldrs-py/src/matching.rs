@@ -78,10 +78,9 @@ impl PySeen {
         candidate: &PyCandidate,
     ) -> PyResult<Option<PyExplanation>> {
         let template = outline(&template)?;
-        let h = &candidate.0.hypothesis;
-        let side = self.seen.sides().get(h.side);
+        let axis = candidate.0.hypothesis.axis;
         Ok(py
-            .detach(|| explain(&self.seen, &template, &h.axis, side, &self.parameters))
+            .detach(|| explain(&self.seen, &template, &axis, &self.parameters))
             .map(PyExplanation))
     }
 }

@@ -20,8 +20,8 @@ pub struct AlignmentParameters {
     /// matched if they cost less than two of it. Ling & Jacobs: 0.3 for the chi-squared statistic with the
     /// factor 1/2, hence 0.6 without.
     pub skip_penalty: f64,
-    /// Points of the second outline, evenly spaced, tried as partner of the first one's start. Ling & Jacobs
-    /// use 4 to 8 and find more to change nothing. The neighbours of the best are tried after them.
+    /// Points of the second outline, evenly spaced, that are tried first as partner of the first one's start
+    /// (Ling & Jacobs: 4 to 8); eight are computed together. Any number leads to the same result.
     pub starts: usize,
 }
 
@@ -45,12 +45,13 @@ pub struct Alignment {
     pub start: usize,
 }
 
-/// Aligns the rows' outline with the columns' outline.
+/// Aligns the rows' outline with the columns' outline, at the cheapest of all starts.
 ///
-/// Tries evenly spaced starts, then, from the best one, its neighbours while that helps.
+/// Evenly spaced starts are tried first. Moving the start by `k` points breaks at most `k` pairs, so that every
+/// total bounds those of its neighbours from below; the remaining starts are tried only where that leaves
+/// a chance.
 ///
-/// With a `bound` only alignments that cost less are of interest; the search ends early if it is out of
-/// reach. `None`: nothing costs less than the bound (at no start whatever if all were abandoned early), or
+/// With a `bound` only an alignment that costs less is of interest; `None`: there is none, at any start, or
 /// one of the outlines has no points.
 #[must_use]
 pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<f64>) -> Option<Alignment> {
@@ -69,7 +70,8 @@ pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<
         penalty,
         floor,
         limit,
-        total: vec![f32::NAN; m],
+        total: vec![f32::INFINITY; m],
+        at_least: vec![f32::NEG_INFINITY; m],
     };
     let best = search.run(parameters.starts.clamp(1, m))?;
     let (pairs, total) = trace(cost, penalty, best);
@@ -81,19 +83,26 @@ pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<
     })
 }
 
-/// Costs of the best alignments from given starts (columns), per row.
+/// Costs of the best alignments from given starts (columns), per row; in the order of `starts`.
 #[must_use]
 pub fn alignment_costs(cost: &CostMatrix, parameters: &AlignmentParameters, starts: &[usize]) -> Vec<f64> {
+    let (n, m) = (cost.rows, cost.columns);
+    if n == 0 || m == 0 {
+        return vec![0.0; starts.len()];
+    }
     let penalty = parameters.skip_penalty as f32;
     let floor = Floor::new(cost, penalty);
-    starts
-        .chunks(LANES)
-        .flat_map(|starts| {
-            let total = totals(cost, penalty, &pad(starts), &floor, f32::INFINITY);
-            total.into_iter().take(starts.len())
-        })
-        .map(|total| f64::from(total) / cost.rows as f64)
-        .collect()
+    let mut sorted: Vec<usize> = starts.iter().map(|start| start % m).collect();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let mut costs = vec![0.0; m];
+    for some in sorted.chunks(LANES) {
+        let totals = totals(cost, penalty, &pad(some), &floor, f32::INFINITY);
+        for (&start, total) in some.iter().zip(totals) {
+            costs[start] = f64::from(total) / n as f64;
+        }
+    }
+    starts.iter().map(|start| costs[start % m]).collect()
 }
 
 /// Lower bounds of what the remaining rows cost.
@@ -119,44 +128,48 @@ struct Search<'a> {
     floor: Floor,
     /// Totals from here on are of no interest.
     limit: f32,
-    /// Total of every start tried so far, else not a number.
+    /// Total of every start tried; infinite for the others and those abandoned.
     total: Vec<f32>,
+    /// What the total of every start cannot be below; infinite for those tried.
+    at_least: Vec<f32>,
 }
 
 impl Search<'_> {
     fn run(&mut self, starts: usize) -> Option<usize> {
         let m = self.cost.columns;
-        let gap = m.div_ceil(starts);
-        // Cutting the outline k points further on breaks at most k pairs, each for two penalties.
-        let slack = 2.0 * self.penalty * gap.div_ceil(2) as f32;
+        // Far enough beyond the limit that an abandoned start rules out its neighbours, too.
+        let slack = 2.0 * self.penalty * m.div_ceil(2 * starts) as f32;
         let spread: Vec<usize> = (0..starts).map(|k| k * m / starts).collect();
-        self.evaluate(&spread, self.limit + slack);
-        let mut best = self.best()?;
-        let reach = LANES / 2;
-        let mut stride = gap.div_ceil(2).div_ceil(reach);
-        while stride > 0 {
-            let mut neighbours: Vec<usize> = (1..=reach)
-                .flat_map(|k| [(best + k * stride) % m, (best + m - k * stride % m) % m])
-                .filter(|&start| self.total[start].is_nan())
-                .collect();
-            neighbours.sort_unstable();
-            neighbours.dedup();
-            self.evaluate(&neighbours, self.total[best]);
-            let better = self.best()?;
-            if better == best {
-                stride /= 2;
-            }
-            best = better;
+        for starts in spread.chunks(LANES) {
+            self.evaluate(starts, self.limit + slack);
         }
-        Some(best)
+        loop {
+            let best = self.best();
+            let limit = best.map_or(self.limit, |best| self.total[best].min(self.limit));
+            let mut open: Vec<usize> = (0..m).filter(|&start| self.at_least[start] < limit).collect();
+            if open.is_empty() {
+                return best;
+            }
+            open.sort_by(|&a, &b| self.at_least[a].total_cmp(&self.at_least[b]));
+            open.truncate(LANES);
+            open.sort_unstable();
+            self.evaluate(&open, limit);
+        }
     }
 
     fn evaluate(&mut self, starts: &[usize], limit: f32) {
-        for starts in starts.chunks(LANES) {
-            let total = totals(self.cost, self.penalty, &pad(starts), &self.floor, limit);
-            for (&start, total) in starts.iter().zip(total) {
-                self.total[start] = total;
+        let m = self.cost.columns;
+        let totals = totals(self.cost, self.penalty, &pad(starts), &self.floor, limit);
+        for (&start, total) in starts.iter().zip(totals) {
+            self.total[start] = total;
+            // Cutting the outline k points further on breaks at most k pairs, each for two penalties.
+            let known = total.min(limit);
+            for (other, at_least) in self.at_least.iter_mut().enumerate() {
+                let apart = start.abs_diff(other);
+                let apart = apart.min(m - apart);
+                *at_least = at_least.max(known - 2.0 * self.penalty * apart as f32);
             }
+            self.at_least[start] = f32::INFINITY;
         }
     }
 

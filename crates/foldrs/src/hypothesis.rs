@@ -214,11 +214,6 @@ pub fn aggregate(
         .filter_map(|members| mean_hypothesis(found, &members))
         .collect();
     merged.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    let floor = merged
-        .first()
-        .map_or(0.0, |h| h.confidence * parameters.confidence);
-    merged.retain(|h| h.confidence >= floor);
-    merged.truncate(parameters.most);
     merged
 }
 

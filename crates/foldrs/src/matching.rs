@@ -24,6 +24,15 @@ pub struct Seen {
     faces: [SampledFace; 2],
 }
 
+/// A hypothesis about the fold axis of one of several templates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Claim {
+    /// Index of the template.
+    pub template: usize,
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+}
+
 /// A fold of a template compared with the seen outline.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -71,9 +80,14 @@ pub fn match_folded(
     scale: Option<f64>,
     parameters: &Parameters,
 ) -> Matching {
-    let claims = claim_axes(seen, templates, scale, parameters);
-    let mut candidates: Vec<Candidate> = parallel::map(&claims, |(template, hypothesis)| {
-        test(seen, *template, &templates[*template], hypothesis, parameters)
+    let mut claims = claim_axes(seen, templates, scale, parameters);
+    let mut tested = vec![0; templates.len()];
+    claims.retain(|claim| {
+        tested[claim.template] += 1;
+        tested[claim.template] <= parameters.hypothesis.most
+    });
+    let mut candidates: Vec<Candidate> = parallel::map(&claims, |claim| {
+        test(seen, &templates[claim.template], claim, parameters)
     })
     .into_iter()
     .flatten()
@@ -94,7 +108,7 @@ impl Seen {
         let contexts = shape_contexts(&points, &inner_distances(&points), &parameters.shape_context);
         let sides = creases_of(&outline, parameters);
         let mirror_sides = sides.iter().map(|s| mirrored_side(s, outline.length())).collect();
-        let PartialParameters { points: n, delta, .. } = parameters.partial_match;
+        let (n, delta) = (parameters.partial_match.points, parameters.partial_match.delta);
         let faces = [
             SampledFace::new(Face::Seen, &outline, sides, n, delta),
             SampledFace::new(Face::Mirrored, &outline.mirrored(), mirror_sides, n, delta),
@@ -122,9 +136,30 @@ impl Seen {
     pub fn sides(&self) -> &[Side] {
         &self.faces[0].sides
     }
-}
 
-use crate::parameters::PartialMatchParameters as PartialParameters;
+    /// A mapped axis laid on the line of the side it lies along, if there is one: the outline knows the crease better
+    /// than the map.
+    fn snapped_crease(&self, mapped: &Segment) -> Segment {
+        let Ok(axis) = Axis::new(mapped) else {
+            return *mapped;
+        };
+        let reach = 0.15 * axis.length;
+        let apart = |side: &Side| {
+            let off = side.segment.map(|p| axis.side(&p).abs());
+            let middle = axis.position(&nalgebra::center(&side.segment[0], &side.segment[1]));
+            let beyond = (middle - axis.length / 2.0).abs() - axis.length / 2.0;
+            off[0].max(off[1]).max(beyond)
+        };
+        let nearest = self.sides().iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        match nearest
+            .filter(|side| apart(side) <= reach)
+            .and_then(|side| Axis::new(&side.segment).ok())
+        {
+            Some(line) => mapped.map(|p| line.at(line.position(&p))),
+            None => *mapped,
+        }
+    }
+}
 
 /// The sides of the outline that are long enough to be a crease, at every tolerance.
 fn creases_of(outline: &Outline, parameters: &Parameters) -> Vec<Side> {
@@ -151,25 +186,22 @@ fn mirrored_side(side: &Side, length: f64) -> Side {
     }
 }
 
-/// Partial matches of both faces at every scale, and the hypotheses they make, aggregated a template.
-fn claim_axes(
+/// Partial matches of both faces at every scale (section 2.1.1), and the hypotheses they make about the axis,
+/// aggregated (section 2.1.2): template by template, the most confident first.
+pub fn claim_axes(
     seen: &Seen,
     templates: &[Outline],
     scale: Option<f64>,
     parameters: &Parameters,
-) -> Vec<(usize, Hypothesis)> {
+) -> Vec<Claim> {
     let mut jobs = Vec::new();
     for (t, template) in templates.iter().enumerate() {
         let equal_area = (seen.outline.signed_area() / template.signed_area()).abs().sqrt();
-        let scales = match scale {
-            Some(s) => vec![s],
-            None => parameters
-                .partial_match
-                .scales
-                .iter()
-                .map(|r| r * equal_area)
-                .collect(),
+        let (base, ratios) = match scale {
+            Some(scale) => (scale, &parameters.partial_match.sizes),
+            None => (equal_area, &parameters.partial_match.scales),
         };
+        let scales = ratios.iter().map(|r| r * base);
         for scale in scales {
             jobs.extend(seen.faces.iter().map(|face| (t, template, scale, face)));
         }
@@ -205,32 +237,29 @@ fn claim_axes(
     }
     let mut all = Vec::new();
     for (t, claims) in by_template.iter().enumerate() {
-        all.extend(
-            aggregate(claims, &templates[t], &parameters.hypothesis)
-                .into_iter()
-                .map(|h| (t, h)),
-        );
+        let merged = aggregate(claims, &templates[t], &parameters.hypothesis);
+        all.extend(merged.into_iter().map(|hypothesis| Claim {
+            template: t,
+            hypothesis,
+        }));
     }
     all
 }
 
 /// Folds the template over the axis and compares the outlines; `None` if the axis does not fold it.
-fn test(
-    seen: &Seen,
-    index: usize,
-    template: &Outline,
-    hypothesis: &Hypothesis,
-    parameters: &Parameters,
-) -> Option<Candidate> {
-    let axis = creased_extent(&fold(template, &hypothesis.axis).ok()?);
-    let hypothesis = Hypothesis { axis, ..*hypothesis };
+fn test(seen: &Seen, template: &Outline, claim: &Claim, parameters: &Parameters) -> Option<Candidate> {
+    let axis = creased_extent(&fold(template, &claim.hypothesis.axis).ok()?);
+    let hypothesis = Hypothesis {
+        axis,
+        ..claim.hypothesis
+    };
     let points: Vec<Point> = folded_points(template, &axis, parameters)?
         .iter()
         .map(|p| p.point)
         .collect();
     let (face, alignment) = compare(seen, &points, parameters)?;
     Some(Candidate {
-        template: index,
+        template: claim.template,
         hypothesis,
         cost: alignment.cost,
         face,
@@ -280,7 +309,6 @@ pub fn explain(
     seen: &Seen,
     template: &Outline,
     axis: &Segment,
-    side: Option<&Side>,
     parameters: &Parameters,
 ) -> Option<Explanation> {
     let folded = folded_points(template, axis, parameters)?;
@@ -293,11 +321,7 @@ pub fn explain(
         partner[row as usize] = Some(if face == Face::Seen { j } else { (n - j) % n });
     }
     let to_seen = map_to_seen(&points, &partner, seen, face)?;
-    let mapped = axis.map(|p| to_seen.apply(&p));
-    let crease = match side.and_then(|s| Axis::new(&s.segment).ok()) {
-        Some(line) => mapped.map(|p| line.at(line.position(&p))),
-        None => mapped,
-    };
+    let crease = seen.snapped_crease(&axis.map(|p| to_seen.apply(&p)));
     Some(Explanation {
         folded,
         partner,

@@ -77,6 +77,8 @@ pub struct PartialMatchParameters {
     pub affinity: f64,
     /// At most this many matches a face and scale, the best first.
     pub most: usize,
+    /// Sizes of the garment tried, relative to the template's, when the scale is known.
+    pub sizes: Vec<f64>,
     /// Ratios of scale tried when the scale is unknown. The seen area is that of the garment less what is hidden
     /// twice, between all and half of it, so the true size is 1 to 1.42 times that of an equal area.
     pub scales: Vec<f64>,
@@ -91,8 +93,9 @@ impl Default for PartialMatchParameters {
             longest: 0.8,
             likeness: 0.5,
             length: 20.0,
-            affinity: 0.15,
-            most: 80,
+            affinity: 0.05,
+            most: 200,
+            sizes: vec![0.85, 1.0],
             scales: vec![1.02, 1.14, 1.27, 1.40],
         }
     }
@@ -116,8 +119,6 @@ pub struct HypothesisParameters {
     /// Width of the bins over the axis's distance from the template's centre, as a share of the square root of its
     /// area.
     pub distance_bin: f64,
-    /// Components whose summed confidence is below this share of the best component's are dropped.
-    pub confidence: f64,
     /// At most this many hypotheses a template are tested, the most confident first.
     pub most: usize,
 }
@@ -129,7 +130,6 @@ impl Default for HypothesisParameters {
             stretch: 1.6,
             angle_bins: 36,
             distance_bin: 0.03,
-            confidence: 0.01,
             most: 80,
         }
     }
@@ -190,6 +190,8 @@ pub struct FitParameters {
     pub iterations: usize,
     /// Longest step of a corner in one iteration.
     pub longest_step: f64,
+    /// At most this many claims a template are tried, the most confident first.
+    pub starts: usize,
     /// Starts a template that are fitted to the end, the most promising first.
     pub refined: usize,
 }
@@ -219,7 +221,8 @@ impl Default for FitParameters {
             coarse_iterations: 5,
             iterations: 12,
             longest_step: 6.0,
-            refined: 24,
+            starts: 300,
+            refined: 40,
         }
     }
 }

@@ -149,10 +149,10 @@ pub fn shape_contexts(
             histogram[ring as usize + sector.seen as usize] += 1;
             mirrored[ring as usize + sector.mirrored as usize] += 1;
         }
-        // The point itself was met at distance zero, in no direction.
-        let own = sectors.bins[i];
-        histogram[own.seen as usize] = histogram[own.seen as usize].saturating_sub(1);
-        mirrored[own.mirrored as usize] = mirrored[own.mirrored as usize].saturating_sub(1);
+        // The point itself was met, too.
+        let (ring, own) = (rings.first_bin[i] as usize, sectors.bins[i]);
+        histogram[ring + own.seen as usize] = histogram[ring + own.seen as usize].saturating_sub(1);
+        mirrored[ring + own.mirrored as usize] = mirrored[ring + own.mirrored as usize].saturating_sub(1);
         for bin in 0..bins {
             contexts.counts[bin * n + i] = histogram[bin];
             contexts.mirrored_counts[bin * n + n - 1 - i] = mirrored[bin];

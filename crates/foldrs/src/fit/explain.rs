@@ -1,7 +1,7 @@
-//! The joint fit of all templates to a seen outline, from the matching stage's candidates to explanations.
+//! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
 use super::{fit_jointly, start_from, FlexibleTemplate, JointFit, SeenField, Start};
-use crate::matching::{Candidate, Seen};
+use crate::matching::{Claim, Seen};
 use crate::parameters::FitParameters;
 use crate::registration::PlaneMap;
 use crate::{Outline, Point, Segment};
@@ -12,8 +12,8 @@ use nalgebra::Matrix2;
 pub struct JointExplanation {
     /// Index of the template.
     pub template: usize,
-    /// Index of the candidate it started from.
-    pub candidate: usize,
+    /// Index of the claim it started from.
+    pub claim: usize,
     /// Corners of the fitted template in template units, in the order of the template given.
     pub outline: Vec<Point>,
     /// The fold axis on it; the flap is on its left.
@@ -26,13 +26,13 @@ pub struct JointExplanation {
     pub surprise: f64,
 }
 
-/// Fits every template jointly with the crease, from all candidates; the best evidence first.
+/// Fits every template jointly with the crease, from all claims; the best evidence first.
 ///
 /// `scale` is the number of seen units a template unit, if known.
 pub fn explain_jointly(
     seen: &Seen,
     templates: &[FlexibleTemplate],
-    candidates: &[Candidate],
+    claims: &[Claim],
     scale: Option<f64>,
     parameters: &FitParameters,
 ) -> Vec<JointExplanation> {
@@ -55,16 +55,21 @@ pub fn explain_jointly(
         },
     };
 
-    let mut starts: Vec<(usize, Start)> = Vec::with_capacity(candidates.len());
-    let mut from = Vec::with_capacity(candidates.len());
-    for (index, candidate) in candidates.iter().enumerate() {
-        let t = candidate.template;
+    let mut starts: Vec<(usize, Start)> = Vec::with_capacity(claims.len());
+    let mut from = Vec::with_capacity(claims.len());
+    let mut tried = vec![0; templates.len()];
+    for (index, claim) in claims.iter().enumerate() {
+        let t = claim.template;
+        tried[t] += 1;
+        if tried[t] > parameters.starts {
+            continue;
+        }
         let expected = scale.map_or((1.3 * field.area / templates[t].area).sqrt(), |_| 1.0);
-        let Some(side) = seen.sides().get(candidate.hypothesis.side) else {
+        let Some(side) = seen.sides().get(claim.hypothesis.side) else {
             continue;
         };
         let side = side.segment.map(|p| p / working);
-        if let Some(start) = start_from(&candidate.hypothesis, &side, expected) {
+        if let Some(start) = start_from(&claim.hypothesis, &side, expected) {
             starts.push((t, start));
             from.push((start, index));
         }
@@ -72,11 +77,11 @@ pub fn explain_jointly(
     fit_jointly(&field, templates, &starts, &parameters)
         .into_iter()
         .filter_map(|(t, fit)| {
-            let candidate = from
+            let claim = from
                 .iter()
-                .find(|(start, i)| *start == fit.start && candidates[*i].template == t)?
+                .find(|(start, i)| *start == fit.start && claims[*i].template == t)?
                 .1;
-            explanation(t, candidate, &templates[t], &fit, working, scale.is_some())
+            explanation(t, claim, &templates[t], &fit, working, scale.is_some())
         })
         .collect()
 }
@@ -87,7 +92,7 @@ fn scaled(outline: &Outline, factor: f64) -> Option<Outline> {
 
 fn explanation(
     template: usize,
-    candidate: usize,
+    claim: usize,
     flexible: &FlexibleTemplate,
     fit: &JointFit,
     working: f64,
@@ -126,7 +131,7 @@ fn explanation(
     };
     Some(JointExplanation {
         template,
-        candidate,
+        claim,
         outline,
         axis,
         to_seen,

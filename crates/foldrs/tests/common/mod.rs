@@ -1,0 +1,75 @@
+//! Random outlines.
+#![allow(dead_code)]
+
+use std::ops::Range;
+
+use foldrs::Point;
+use proptest::prelude::*;
+
+fn cross(o: Point, a: Point, b: Point) -> f64 {
+    (a - o).perp(&(b - o))
+}
+
+/// Removes crossings by turning round the stretch between two crossing sides; each time the outline gets shorter.
+fn untangle(mut p: Vec<Point>) -> Vec<Point> {
+    let n = p.len();
+    let cross_each_other =
+        |a, b, c, d| cross(a, b, c) * cross(a, b, d) <= 0.0 && cross(c, d, a) * cross(c, d, b) <= 0.0;
+    while let Some((i, j)) = (0..n)
+        .flat_map(|i| (i + 2..n).map(move |j| (i, j)))
+        .filter(|&(i, j)| (j + 1) % n != i)
+        .find(|&(i, j)| cross_each_other(p[i], p[i + 1], p[j], p[(j + 1) % n]))
+    {
+        p[i + 1..=j].reverse();
+    }
+    p
+}
+
+/// Simple polygons of random points in the unit square, winding and all.
+pub fn polygon(size: Range<usize>) -> impl Strategy<Value = Vec<Point>> {
+    prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), size)
+        .prop_map(|xy| untangle(xy.into_iter().map(|(x, y)| Point::new(x, y)).collect()))
+}
+
+/// Star-shaped polygons around the origin.
+pub fn star(size: Range<usize>) -> impl Strategy<Value = Vec<Point>> {
+    prop::collection::vec((0.2..1.0_f64, 0.2..1.0_f64), size).prop_map(|rays| {
+        let full: f64 = rays.iter().map(|ray| ray.1).sum();
+        let mut angle = 0.0;
+        rays.iter()
+            .map(|&(radius, width)| {
+                angle += width / full * std::f64::consts::TAU;
+                Point::new(radius * f64::cos(angle), radius * f64::sin(angle))
+            })
+            .collect()
+    })
+}
+
+/// Points at equal arc length.
+pub fn resample(p: &[Point], n: usize) -> Vec<Point> {
+    let side = |k: usize| (p[k], p[(k + 1) % p.len()]);
+    let lengths: Vec<f64> = (0..p.len()).map(|k| (side(k).1 - side(k).0).norm()).collect();
+    let full: f64 = lengths.iter().sum();
+    let mut resampled = Vec::with_capacity(n);
+    let (mut k, mut passed) = (0, 0.0);
+    for i in 0..n {
+        let at = full * i as f64 / n as f64;
+        while k + 1 < p.len() && passed + lengths[k] < at {
+            passed += lengths[k];
+            k += 1;
+        }
+        let (a, b) = side(k);
+        resampled.push(a + (b - a) * ((at - passed) / lengths[k]));
+    }
+    resampled
+}
+
+/// Turned, scaled, shifted; before that mirrored if `flip`.
+pub fn transformed(p: &[Point], angle: f64, scale: f64, shift: f64, flip: bool) -> Vec<Point> {
+    let (sin, cos) = angle.sin_cos();
+    p.iter()
+        .map(|q| Point::new(if flip { -q.x } else { q.x }, q.y))
+        .map(|q| Point::new(cos * q.x - sin * q.y, sin * q.x + cos * q.y) * scale)
+        .map(|q| Point::new(q.x + shift, q.y - shift))
+        .collect()
+}
