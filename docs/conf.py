@@ -12,7 +12,7 @@ source_suffix = {".md": "markdown"}
 exclude_patterns = ["list_licences.py"]
 myst_enable_extensions = ["deflist", "dollarmath"]
 myst_heading_anchors = 3
-suppress_warnings = ["myst.xref_missing"]  # links of the README that leave docs/
+suppress_warnings = ["ref.python"]  # a type named like a field of two classes
 
 html_theme = "furo"
 html_title = f"foldrs {version}"

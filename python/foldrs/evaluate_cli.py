@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Scenes = Sequence[Scene] | Sequence[tuple[Scene, Template]]
 
-_PROTOCOLS = ("synthetic", "own", "generic", "open")
+_PROTOCOLS = ("synthetic", "own", "generic", "open")  # as in foldrs.evaluation, which loads the whole method
 
 _WIDTH = 110
 """Columns of text where no terminal says how many there are: the tables' own width."""
@@ -55,7 +55,7 @@ _WIDTH = 110
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for evaluation.csv, evaluation.json and predictions/NAME.json.",
+    help="Folder for evaluation.csv, evaluation.json and the predictions, NAME.json.",
 )
 def evaluate_command(
     scenes: Path | None,
@@ -80,24 +80,22 @@ def evaluate_command(
     from foldrs.evaluation.virtual import PX_PER_CM
     from foldrs.pipeline import check_scale, choose_templates
 
-    if protocol != "synthetic" and scenes is None:
-        raise click.UsageError(f"--protocol {protocol} needs SCENES")
     found: Scenes
     try:
         check_scale(px_per_cm)
         chosen = choose_templates(templates or None, None)
         if protocol == "synthetic":
             found, px_per_cm, outlines = virtual_scenes(chosen, count, seed), PX_PER_CM, True
+        elif scenes is None:
+            raise click.UsageError(f"--protocol {protocol} needs SCENES")
         else:
-            assert scenes is not None
             found = load_scenes(scenes)
     except FoldrsError as error:
         raise click.ClickException(str(error)) from error
-    predictions = None if out is None else out / "predictions"
-    if predictions is not None:
-        predictions.mkdir(parents=True, exist_ok=True)
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
 
-    rows = _run(Evaluation(protocol, chosen, px_per_cm, method, outlines, predictions), found, jobs)
+    rows = _run(Evaluation(protocol, chosen, px_per_cm, method, outlines, out), found, jobs)
     console = Console()
     print_tables(rows, console if console.is_terminal else Console(width=_WIDTH))
     for row in rows:

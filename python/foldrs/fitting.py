@@ -1,101 +1,156 @@
 """Stage 5, the fitting stage (section 2.2): templates changed until they fit the seen outline.
 
-Every iteration matches the templates as they are, registers each one's cheapest fold to the seen outline, unfolds it
-virtually and makes the next template of it. The cheapest match of all iterations wins.
+Every pass registers a fold of the template to the seen outline, unfolds it virtually, makes the next template
+of it and matches that. The cheapest match of all passes wins.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from foldrs import _core
-from foldrs.explanation import Explanation, apply, directed_crease
-from foldrs.parameters import FittingParameters
-from foldrs.registration import RegisteredFold, local_similarities, register_fold, register_template, visible_weights
+from foldrs.alternatives import alike
+from foldrs.explanation import Explanation, directed_crease
+from foldrs.parameters import AlternativeParameters, FittingParameters
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
-from foldrs.template_update import SampledSides, carried, new_corners, straight_lines
-
-Points = NDArray[np.float64]
+from foldrs.template_update import Points, TemplateUpdate, carried, update_template
 
 
 @dataclass(frozen=True, eq=False)
-class TemplateUpdate:
-    """How a template was changed in one iteration, with all that lies between; frames as in `RegisteredFold`."""
+class FitStage:
+    """One template of the iteration: how it matched, and what became of it."""
 
-    before: Points
-    """(n, 2) the outline that was matched, template units."""
-    axis: Points
-    """(2, 2) the axis found on it, template units."""
-    cost: float
-    """Its matching cost."""
-    fold: RegisteredFold
-    """RVFC, RFAxis and VUC."""
-    registered: Points
-    """(k, 2) px: RUC, the registered points of the template."""
-    lines: Mapping[int, Points]
-    """Point and direction (px) of the line of every side that has one."""
-    corners: Points
-    """(n, 2) px: the corners of the updated template."""
-    after: Points
-    """(n, 2) the updated outline, template units: the next one to be matched."""
+    explanation: Explanation
+    """The template as it was matched, with the axis found on it."""
+    laid: _core.Explanation
+    """Its folded outline and the correspondences."""
+    update: TemplateUpdate | None
+    """The pass that followed; None if the template could not be changed."""
 
 
-def update_template(
-    outline: Points, axis: Points, laid: _core.Explanation, seen: Points, px_per_unit: float | None, parameters: FittingParameters
-) -> TemplateUpdate | None:
-    """One pass of the fitting stage: the template that fits the seen outline better.
+@dataclass(frozen=True, eq=False)
+class IterativeFit:
+    """One course of the iteration, from one fold of a template as given."""
+
+    stages: tuple[FitStage, ...]
+    """The template as given, then that of every pass."""
+
+    @property
+    def explanation(self) -> Explanation:
+        """The cheapest match of all passes, the earliest of equals."""
+        return min((stage.explanation for stage in self.stages), key=lambda e: e.cost)
+
+
+def fit_iteratively(
+    seen: _core.Seen,
+    templates: Sequence[Template],
+    px_per_unit: float | None,
+    parameters: FittingParameters,
+    same: AlternativeParameters,
+) -> list[IterativeFit]:
+    """Match templates and fit them, in turn (section 2.2).
 
     Parameters
     ----------
-    outline : (n, 2) array
-        The template, template units.
-    axis : (2, 2) array
-        Its fold axis.
-    laid : _core.Explanation
-        The folded template laid over the seen outline.
-    seen : (m, 2) array
-        The seen points, px.
+    seen : _core.Seen
+        The seen outline.
+    templates : sequence of Template
+        Those that compete.
     px_per_unit : float or None
         The scale, if known.
     parameters : FittingParameters
         Parameters of the stage.
+    same : AlternativeParameters
+        When two folds are one, so that the iteration does not start from it twice.
 
     Returns
     -------
-    TemplateUpdate or None
-        None if too little corresponds, or the updated outline would not be a simple polygon.
+    list of IterativeFit
+        One a start, the cheapest explanation first; empty if no fold of any template could be compared.
     """
-    fold = register_fold(laid, seen, axis, parameters)
-    if fold is None:
-        return None
-    length = float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum())
-    sides = SampledSides.of(outline, length / parameters.points)
-    registered = register_template(outline, sides.at, fold, parameters)
-    supported = visible_weights(outline, sides.at, fold, parameters).max(axis=1) > parameters.visible
-    corners = register_template(outline, sides.corners, fold, parameters)
-
-    unit = float(np.sqrt(abs(_core.signed_area(corners))))
-    lines = straight_lines(registered, sides.side, supported, unit, parameters)
-    corners = new_corners(corners, lines, unit, parameters)
-    after = in_template_units(corners, outline, px_per_unit)
-    try:
-        _core.check_outline(after)
-    except ValueError:
-        return None
-    if _core.signed_area(after) * _core.signed_area(outline) <= 0:
-        return None
-    return TemplateUpdate(outline, axis, laid.cost, fold, registered, lines, corners, after)
+    iteration = _Iteration(seen, px_per_unit, parameters)
+    courses = [[stage] for stage in iteration.starts(templates, same)]
+    moving = courses
+    for _ in range(parameters.iterations):
+        moving = iteration.advance(moving)
+    fits = [IterativeFit(tuple(course)) for course in courses]
+    return sorted(fits, key=lambda fit: fit.explanation.cost)  # stable: equals keep their order
 
 
-def in_template_units(corners: Points, outline: Points, px_per_unit: float | None) -> Points:
-    """Corners in px as a template: turned upright, in template units (as large as `outline` if no scale is known)."""
-    back = local_similarities(np.ones((1, len(corners))), corners, outline)
-    px = abs(back.turn[0]) * px_per_unit if px_per_unit is not None else 1.0
-    upright = back.apply(corners, slice(None))
-    middle = upright.mean(axis=0)
-    return middle + (upright - middle) / px
+@dataclass(frozen=True, eq=False)
+class _Iteration:
+    """What all passes share."""
+
+    seen: _core.Seen
+    px_per_unit: float | None
+    parameters: FittingParameters
+
+    def starts(self, templates: Sequence[Template], same: AlternativeParameters) -> list[FitStage]:
+        """Find the folds of the templates as given to start from: the cheapest distinct ones of each."""
+        candidates, unfolded = self.seen.matches([t.outline for t in templates], self.px_per_unit)
+        per_template: list[list[FitStage]] = [[] for _ in templates]
+        spare = max(self.parameters.starts_in_all - len(templates), 0)
+        for candidate in candidates:
+            template, found = templates[candidate.template], per_template[candidate.template]
+            if len(found) == self.parameters.starts or (found and not spare):
+                continue
+            first = found[0].explanation if found else None
+            stage = self.stage(template, template.outline, candidate, unfolded[candidate.template], first)
+            if stage is None or any(alike(stage.explanation, other.explanation, same) for other in found):
+                continue
+            spare -= bool(found)
+            found.append(stage)
+        return [stage for found in per_template for stage in found]
+
+    def advance(self, courses: Sequence[list[FitStage]]) -> list[list[FitStage]]:
+        """Match the updated template of every course and add the stage; return the courses that go on."""
+        going = [(course, course[-1].update.outline) for course in courses if course[-1].update is not None]
+        if not going:
+            return []
+        candidates, unfolded = self.seen.matches([outline for _, outline in going], self.px_per_unit)
+        cheapest = {c.template: c for c in reversed(candidates)}
+        moved = []
+        for i, (course, outline) in enumerate(going):
+            if i not in cheapest:
+                continue
+            first = course[0].explanation
+            stage = self.stage(first.template, outline, cheapest[i], unfolded[i], first)
+            if stage is not None:
+                course.append(stage)
+                moved.append(course)
+        return moved
+
+    def stage(
+        self,
+        template: Template,
+        outline: Points,
+        candidate: _core.Candidate,
+        unfolded_cost: float,
+        first: Explanation | None,
+    ) -> FitStage | None:
+        """Lay a fold of a template, as given or as fitted so far, over the seen outline, and update it.
+
+        `first` is what the matching stage found on the template as given; None if that is this very fold.
+        """
+        laid = self.seen.explain(outline, candidate)
+        if laid is None:
+            return None
+        explanation = Explanation(
+            template=template,
+            original_axis=first.original_axis if first else candidate.axis,
+            fitted=FittedTemplate(
+                outline, carried(template.landmarks, template.outline, outline), candidate.axis
+            ),
+            to_image=laid.to_seen,
+            crease=directed_crease(laid.crease, candidate.axis, laid.to_seen),
+            cost=candidate.cost,
+            original_cost=first.original_cost if first else candidate.cost,
+            # The fold has to beat the template unfolded in any shape it took.
+            unfolded_cost=min(unfolded_cost, first.unfolded_cost) if first else unfolded_cost,
+        )
+        update = update_template(
+            outline, candidate.axis, laid, self.seen.points, self.px_per_unit, self.parameters
+        )
+        return FitStage(explanation, laid, update)

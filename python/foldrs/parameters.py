@@ -85,6 +85,9 @@ class SideParameters:
     shortest: float = 0.08
     """Sides shorter than this share of the square root of the area are no candidates: so short a fold hardly
     changes the garment."""
+    in_line: float = 0.03
+    """Two sides whose ends lie this near to one line, as a share of the square root of the area, may be one crease
+    (a fold over two legs)."""
 
 
 @dataclass(frozen=True)
@@ -231,16 +234,22 @@ class FittingParameters:
 
     iterations: int = 5
     """Passes of matching and fitting, as in the paper."""
-    neighbours: int = 11
+    starts: int = 3
+    """At most this many distinct folds of a template are fitted, the cheapest first: the true one is often among
+    them, and the cheapest only once it fits."""
+    starts_in_all: int = 8
+    """At most this many folds of all templates are fitted, but always one a template: this bounds the time."""
+    neighbours: int = 15
     """Np, points of the folded outline (of 100) around each that its similarity is estimated from."""
-    width: float = 0.04
+    width: float = 0.16
     """Standard deviation of the Gaussian over the template's arc length, as a share of its perimeter."""
     whole: float = 1e-4
     """Weight of every point in every local similarity: a neighbourhood without any moves with the whole."""
     points: int = 100
     """Points on the template's sides that lines are fitted to."""
-    visible: float = 0.8
-    """A point takes part in a line if a visible one has at least this weight for it (the nearest has 1)."""
+    reach: float = 0.02
+    """Distance along the template, as a share of its perimeter, to the next visible point up to which a point takes
+    part in a line; others are extrapolated. Visible points lie 0.01 to 0.015 apart."""
     tolerance: float = 0.01
     """Distance from a line up to which a point is on it, as a share of the square root of the area: some 0.5 cm."""
     fewest: int = 4

@@ -1,7 +1,8 @@
 """Piecewise registration by local similarities (sections 2.2.1 and 2.2.2).
 
-Points of the plane are complex numbers here: a non-reflective similarity (eq. 2) is then ``z -> turn * z + offset``,
-and the least-squares one has a closed form, so all of them are found at once from weighted sums.
+Points of the plane are complex numbers here: a non-reflective similarity (eq. 2) is then
+``z -> turn * z + offset``, and the least-squares one has a closed form, so all of them are found at once from
+weighted sums.
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ class LocalSimilarities:
 class RegisteredFold:
     """A virtually folded template laid onto the seen outline piece by piece (section 2.2.1).
 
-    All coordinates are seen px; x runs the other way if the garment shows its other face, so that no similarity
-    has to reflect.
+    All coordinates are seen px; x runs the other way if the garment shows its other face, so that no
+    similarity has to reflect.
     """
 
     folded: Points
@@ -109,9 +110,7 @@ def register_fold(
     step = np.abs(np.arange(count)[:, None] - np.flatnonzero(paired))
     near = np.minimum(step, count - step) <= parameters.neighbours // 2
     # All pairs take part a little, so that a neighbourhood without partners moves with the whole.
-    maps = local_similarities(
-        near + parameters.whole, laid.folded[paired], target[laid.partner[paired]]
-    )
+    maps = local_similarities(near + parameters.whole, laid.folded[paired], target[laid.partner[paired]])
     folded = maps.apply(laid.folded)
 
     of_crease = np.flatnonzero(laid.layer == CREASE)
@@ -128,7 +127,7 @@ def register_fold(
 def register_template(
     outline: Points, at: NDArray[np.float64], fold: RegisteredFold, parameters: FittingParameters
 ) -> Points:
-    """Register points of the template, given by arc length, to the virtually unfolded outline (section 2.2.2).
+    """Register points of the template to the virtually unfolded outline (section 2.2.2).
 
     Every point moves by the similarity of the visible points around it, weighted by a Gaussian over the arc
     length between them.
@@ -149,23 +148,22 @@ def register_template(
     (k, 2) array
         RUC, seen px, in the frame of `fold`.
     """
-    maps = local_similarities(
-        visible_weights(outline, at, fold, parameters) + parameters.whole,
-        _core.points_at(outline, fold.arc),
-        fold.unfolded,
-    )
+    apart = shares_apart(outline, at, fold.arc)
+    weights = np.exp(-0.5 * (apart / parameters.width) ** 2) + parameters.whole
+    maps = local_similarities(weights, _core.points_at(outline, fold.arc), fold.unfolded)
     return maps.apply(_core.points_at(outline, at))
 
 
-def visible_weights(
-    outline: Points, at: NDArray[np.float64], fold: RegisteredFold, parameters: FittingParameters
-) -> Points:
-    """(k, v) Gaussian weights of the visible points around k points of the template."""
-    length = float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum())
-    apart = np.abs(at[:, None] - fold.arc)
-    apart = np.minimum(apart, length - apart)
-    weights: Points = np.exp(-0.5 * (apart / (parameters.width * length)) ** 2)
-    return weights
+def shares_apart(outline: Points, at: NDArray[np.float64], visible: NDArray[np.float64]) -> Points:
+    """(k, v) distances along the outline, as shares of its length, between k and v points given by arc length."""
+    length = perimeter(outline)
+    apart = np.abs(at[:, None] - visible)
+    return np.minimum(apart, length - apart) / length
+
+
+def perimeter(outline: Points) -> float:
+    """Length of a closed outline."""
+    return float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum())
 
 
 def as_complex(points: Points) -> Complex:

@@ -1,4 +1,4 @@
-"""Straight sides and new corners of a registered template (section 2.2.3)."""
+"""One pass of the fitting stage: a template becomes the next one (sections 2.2.1 to 2.2.3, Fig. 2)."""
 
 from __future__ import annotations
 
@@ -10,113 +10,94 @@ from numpy.typing import NDArray
 
 from foldrs import _core
 from foldrs.parameters import FittingParameters
+from foldrs.registration import (
+    RegisteredFold,
+    local_similarities,
+    perimeter,
+    register_fold,
+    register_template,
+    shares_apart,
+)
+from foldrs.straight_sides import SampledSides, new_corners, straight_lines
 
 Points = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class SampledSides:
-    """Equally spaced points of a template, grouped by its sides."""
+class TemplateUpdate:
+    """How one pass changed a template, with all that lies between. Frames as in `RegisteredFold`."""
 
-    corners: NDArray[np.float64]
-    """(n,) arc lengths of the template's corners."""
-    at: NDArray[np.float64]
-    """(k,) arc lengths of the points."""
-    side: NDArray[np.intp]
-    """(k,) the side that each lies on: i runs from corner i to the next."""
-
-    @classmethod
-    def of(cls, outline: Points, spacing: float) -> SampledSides:
-        """Sample every side at about `spacing`, its corners left out."""
-        lengths = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
-        corners = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-        counts = np.floor(lengths / spacing).astype(np.intp)
-        side = np.repeat(np.arange(len(outline)), counts)
-        place = np.arange(len(side)) - np.repeat(np.cumsum(counts) - counts, counts)
-        return cls(corners, corners[side] + (place + 0.5) * lengths[side] / counts[side], side)
+    fold: RegisteredFold
+    """RVFC, RFAxis and VUC."""
+    registered: Points
+    """(k, 2) px: RUC, the registered points of the template."""
+    lines: Mapping[int, Points]
+    """Point and direction (px) of the straight line of every side that has one; side i starts at corner i."""
+    corners: Points
+    """(n, 2) px: corners of the updated template, where it lies."""
+    outline: Points
+    """(n, 2) template units: the updated template, upright; the next one to be matched."""
 
 
-def straight_lines(
-    points: Points, side: NDArray[np.intp], supported: NDArray[np.bool_], unit: float, parameters: FittingParameters
-) -> dict[int, Points]:
-    """A straight line through the points of every side, outliers left out by RANSAC.
+def update_template(
+    outline: Points,
+    axis: Points,
+    laid: _core.Explanation,
+    seen: Points,
+    px_per_unit: float | None,
+    parameters: FittingParameters,
+) -> TemplateUpdate | None:
+    """One pass of the fitting stage: the template that fits the seen outline better.
 
     Parameters
     ----------
-    points : (k, 2) array
-        Registered points of the template.
-    side : (k,) array
-        The side each lies on.
-    supported : (k,) array
-        Whether it lies where the garment is visible; the others are extrapolated and take no part.
-    unit : float
-        Square root of the registered template's area.
+    outline : (n, 2) array
+        The template, template units.
+    axis : (2, 2) array
+        Its fold axis.
+    laid : _core.Explanation
+        The folded template laid over the seen outline.
+    seen : (m, 2) array
+        The seen points, px.
+    px_per_unit : float or None
+        The scale, if known.
     parameters : FittingParameters
-        Tolerance, fewest points and seed.
+        Parameters of the stage.
 
     Returns
     -------
-    dict of int to (2, 2) array
-        A point of the line and its direction, for every side with enough points.
+    TemplateUpdate or None
+        None if too little corresponds, or the updated outline would not be a simple polygon.
     """
-    from skimage.measure import LineModelND, ransac  # slow to import, and needed by the fitting stage alone
+    fold = register_fold(laid, seen, axis, parameters)
+    if fold is None:
+        return None
+    sides = SampledSides.of(outline, perimeter(outline) / parameters.points)
+    registered = register_template(outline, sides.at, fold, parameters)
+    supported = shares_apart(outline, sides.at, fold.arc).min(axis=1) <= parameters.reach
+    corners = register_template(outline, sides.corners, fold, parameters)
 
-    lines: dict[int, Points] = {}
-    for i in np.unique(side):
-        own = points[(side == i) & supported]
-        if len(own) < parameters.fewest:
-            continue
-        _, inliers = ransac(
-            own,
-            LineModelND,
-            min_samples=2,
-            residual_threshold=parameters.tolerance * unit,
-            max_trials=parameters.trials,
-            stop_probability=parameters.certainty,
-            rng=parameters.seed,
-        )
-        if inliers is not None and inliers.sum() >= parameters.fewest:
-            lines[int(i)] = principal_line(own[inliers])
-    return lines
-
-
-def principal_line(points: Points) -> Points:
-    """Mean and main direction of (k, 2) points: the straight line with the least squared distances."""
-    middle = points.mean(axis=0)
-    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
-    return np.stack([middle, axes[0]])
+    unit = float(np.sqrt(abs(_core.signed_area(corners))))
+    lines = straight_lines(registered, sides.side, supported, unit, parameters)
+    corners = new_corners(corners, lines, unit, parameters)
+    after = in_template_units(corners, outline, px_per_unit)
+    try:
+        _core.check_outline(after)
+    except ValueError:
+        return None
+    if _core.signed_area(after) * _core.signed_area(outline) <= 0:
+        return None
+    return TemplateUpdate(fold, registered, lines, corners, after)
 
 
-def new_corners(registered: Points, lines: Mapping[int, Points], unit: float, parameters: FittingParameters) -> Points:
-    """Corners of the updated template: where the lines of neighbouring sides meet.
-
-    A corner stays where it was registered if one of its sides has no line, if they are nearly parallel, or if
-    they meet too far away.
-
-    Parameters
-    ----------
-    registered : (n, 2) array
-        The registered corners.
-    lines : mapping of int to (2, 2) array
-        Point and direction of the sides' lines; side i starts at corner i.
-    unit : float
-        Square root of the registered template's area.
-    parameters : FittingParameters
-        Least angle and largest shift.
-    """
-    corners = registered.copy()
-    for i in range(len(corners)):
-        before, after = lines.get((i - 1) % len(corners)), lines.get(i)
-        if before is None or after is None:
-            continue
-        (p, u), (q, v) = before, after
-        sine = u[0] * v[1] - u[1] * v[0]
-        if abs(sine) < np.sin(np.radians(parameters.least_angle)):
-            continue
-        meeting = p + u * (((q - p)[0] * v[1] - (q - p)[1] * v[0]) / sine)
-        if np.linalg.norm(meeting - registered[i]) <= parameters.largest_shift * unit:
-            corners[i] = meeting
-    return corners
+def in_template_units(corners: Points, outline: Points, px_per_unit: float | None) -> Points:
+    """Corners in px as a template: upright, in template units; as large as `outline` if no scale is known."""
+    back = local_similarities(np.ones((1, len(corners))), corners, outline)
+    stretch = abs(back.turn[0]) * px_per_unit if px_per_unit is not None else 1.0
+    upright = back.apply(corners)
+    middle = upright.mean(axis=0)
+    scaled: Points = middle + (upright - middle) / stretch
+    return scaled
 
 
 def carried(landmarks: Mapping[str, Points], outline: Points, moved: Points) -> dict[str, Points]:

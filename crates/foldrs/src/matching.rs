@@ -161,19 +161,41 @@ impl Seen {
     }
 }
 
-/// The sides of the outline that are long enough to be a crease, at every tolerance.
+/// The sides of the outline that are long enough to be a crease, at every tolerance, and pairs of them in one line.
 fn creases_of(outline: &Outline, parameters: &Parameters) -> Vec<Side> {
     let unit = outline.signed_area().abs().sqrt();
+    let length = |s: &Side| (s.segment[1] - s.segment[0]).norm();
     let mut sides: Vec<Side> = Vec::new();
     for tolerance in &parameters.side.tolerances {
         for side in outline.sides(tolerance * unit) {
-            let length = (side.segment[1] - side.segment[0]).norm();
-            if length >= parameters.side.shortest * unit && !sides.iter().any(|s| s.arc == side.arc) {
+            if length(&side) >= parameters.side.shortest * unit && !sides.iter().any(|s| s.arc == side.arc) {
                 sides.push(side);
             }
         }
     }
+    let mut spanning = Vec::new();
+    for one in &sides {
+        for other in &sides {
+            if let Some(segment) = in_one_line(one, other, parameters.side.in_line * unit) {
+                // What lies between the two is no part of the crease: the longer one stands for it on the outline.
+                let arc = if length(one) >= length(other) { one.arc } else { other.arc };
+                spanning.push(Side { segment, arc });
+            }
+        }
+    }
+    sides.extend(spanning);
     sides
+}
+
+/// The segment from the start of one side to the end of another that follows it in the same line and direction: the
+/// crease of a fold over two legs.
+fn in_one_line(one: &Side, other: &Side, tolerance: f64) -> Option<Segment> {
+    let segment = [one.segment[0], other.segment[1]];
+    let line = Axis::new(&segment).ok()?;
+    let [b, c] = [one.segment[1], other.segment[0]];
+    let straight = line.side(&b).abs() <= tolerance && line.side(&c).abs() <= tolerance;
+    let ordered = 0.0 < line.position(&b) && line.position(&b) < line.position(&c);
+    (straight && ordered && line.position(&c) < line.length).then_some(segment)
 }
 
 /// The side on the mirrored outline.
@@ -318,7 +340,7 @@ pub fn explain(
     let mut partner = vec![None; points.len()];
     for &(row, column) in &alignment.pairs {
         let j = column as usize;
-        partner[row as usize] = Some(if face == Face::Seen { j } else { (n - j) % n });
+        partner[row as usize] = Some(if face == Face::Seen { j } else { n - 1 - j });
     }
     let to_seen = map_to_seen(&points, &partner, seen, face)?;
     let crease = seen.snapped_crease(&axis.map(|p| to_seen.apply(&p)));

@@ -41,6 +41,9 @@ pub struct SideParameters {
     /// Sides shorter than this share of the square root of the area are no candidates: so short a fold hardly
     /// changes the garment.
     pub shortest: f64,
+    /// Two sides whose ends lie this near to one line, as a share of the square root of the area, may be one crease
+    /// (a fold over two legs).
+    pub in_line: f64,
 }
 
 impl Default for SideParameters {
@@ -48,6 +51,7 @@ impl Default for SideParameters {
         Self {
             tolerances: vec![0.02],
             shortest: 0.08,
+            in_line: 0.03,
         }
     }
 }

@@ -25,7 +25,7 @@ _COMPARED = 100
 
 
 def axis_error(scene: Scene, template: Mapping[str, Any], kind: Kind) -> tuple[float, float]:
-    """DA and dtheta of the axis on a template of the kind, for the symmetry that is kindest to it."""
+    """Errors dA and dtheta of the axis on a template of the kind, for the symmetry kindest to it."""
     axis, outline = (np.asarray(template[field], dtype=np.float64) for field in ("axis", "outline"))
     whole = area(outline)
     return min(

@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -48,21 +48,31 @@ class Evaluation:
 
     def run(self, scene: Scene, itself: Template | None = None) -> SceneMeasures:
         """Fit one scene, write its prediction and measure it; `itself` is what a synthetic scene folds."""
+        row = failed(scene, "")
         try:
-            return self._run(scene, itself)
+            competing, kind = self._competing(scene, itself)
+            of_kind = [template for template in competing if template.garment_type == scene.garment_type]
+            row = replace(row, template_distance_cm=template_distance(scene, of_kind, kind))
+            measured = measure(scene, self._predict(scene, competing), kind)
+            return replace(measured, template_distance_cm=row.template_distance_cm)
         except FoldrsError as error:
-            return failed(scene, str(error))
+            return replace(row, error=str(error))
 
-    def _run(self, scene: Scene, itself: Template | None) -> SceneMeasures:
-        of_kind = [t for t in self.templates if t.garment_type == scene.garment_type]
+    def _competing(self, scene: Scene, itself: Template | None) -> tuple[list[Template], Kind]:
+        """Return the templates that compete for a scene, and what there is to know of its kind."""
+        of_kind = [template for template in self.templates if template.garment_type == scene.garment_type]
+        if itself is None and self.protocol == "own":
+            itself = own_template(scene, of_kind)
         if itself is not None:
-            competing, of_kind = [itself], of_kind or [itself]
-        elif self.protocol == "own":
-            own = own_template(scene, of_kind)
-            competing, of_kind = [own], of_kind or [own]
-        else:
-            competing = list(self.templates) if self.protocol == "open" else of_kind
-        kind = Kind.of(of_kind, scene.landmarks)
+            return [itself], Kind.of(of_kind or [itself], scene.landmarks)
+        competing = list(self.templates) if self.protocol == "open" else of_kind
+        return competing, Kind.of(of_kind, scene.landmarks)
+
+    def _predict(self, scene: Scene, competing: Sequence[Template]) -> dict[str, Any]:
+        """Return the JSON form of the result; it replaces what an earlier run has written."""
+        path = None if self.out is None else self.out / f"{scene.name}.json"
+        if path is not None:
+            path.unlink(missing_ok=True)
         result = fit(
             scene.outline_image if self.true_outlines or scene.image is None else scene.image,
             garment_type=None if self.protocol == "open" else scene.garment_type,
@@ -70,11 +80,9 @@ class Evaluation:
             px_per_cm=self.px_per_cm,
             method=self.method,
         )
-        if self.out is not None:
-            result.save(self.out / f"{scene.name}.json")
-        row = measure(scene, result.to_dict(), kind)
-        right_ones = [t for t in competing if t.garment_type == scene.garment_type]
-        return replace(row, template_distance_cm=template_distance(scene, right_ones, kind))
+        if path is not None:
+            result.save(path)
+        return result.to_dict()
 
 
 def run_all(

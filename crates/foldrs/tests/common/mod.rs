@@ -45,23 +45,14 @@ pub fn star(size: Range<usize>) -> impl Strategy<Value = Vec<Point>> {
     })
 }
 
-/// Points at equal arc length.
-pub fn resample(p: &[Point], n: usize) -> Vec<Point> {
-    let side = |k: usize| (p[k], p[(k + 1) % p.len()]);
-    let lengths: Vec<f64> = (0..p.len()).map(|k| (side(k).1 - side(k).0).norm()).collect();
-    let full: f64 = lengths.iter().sum();
-    let mut resampled = Vec::with_capacity(n);
-    let (mut k, mut passed) = (0, 0.0);
-    for i in 0..n {
-        let at = full * i as f64 / n as f64;
-        while k + 1 < p.len() && passed + lengths[k] < at {
-            passed += lengths[k];
-            k += 1;
-        }
-        let (a, b) = side(k);
-        resampled.push(a + (b - a) * ((at - passed) / lengths[k]));
-    }
-    resampled
+/// Cuts every side into `pieces`; the new points lie on it up to rounding.
+pub fn subdivided(p: &[Point], pieces: usize) -> Vec<Point> {
+    (0..p.len() * pieces)
+        .map(|k| {
+            let (a, b) = (p[k / pieces], p[(k / pieces + 1) % p.len()]);
+            a + (b - a) * ((k % pieces) as f64 / pieces as f64)
+        })
+        .collect()
 }
 
 /// Turned, scaled, shifted; before that mirrored if `flip`.

@@ -1,0 +1,129 @@
+"""What is installed: names, types, versions, examples, and what the README says."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+import subprocess
+import sys
+from importlib import metadata, resources
+from pathlib import Path
+
+import pytest
+from packaging.markers import default_environment
+from packaging.requirements import Requirement
+
+import foldrs
+from foldrs import _core
+from foldrs.synth import make_scene
+from foldrs.template import builtin_templates
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = Path(foldrs.__file__).parent
+
+
+def test_one_version_everywhere() -> None:
+    cargo = re.search(r'^version = "(.+)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
+    assert cargo is not None
+    assert foldrs.__version__ == metadata.version("foldrs") == cargo.group(1)
+
+
+def test_every_public_name_is_there_and_documented() -> None:
+    for name in foldrs.__all__:
+        assert getattr(foldrs, name) is not None
+        assert name.startswith("__") or getattr(foldrs, name).__doc__
+    assert set(foldrs.__all__) <= set(dir(foldrs))
+    with pytest.raises(AttributeError, match="no_such_name"):
+        foldrs.no_such_name  # noqa: B018
+
+
+def test_import_is_light() -> None:
+    heavy = "cv2", "matplotlib", "skimage", "shapely"
+    code = f"import sys, foldrs, foldrs.cli; print([name for name in {heavy} if name in sys.modules])"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "[]"
+
+
+def test_types_stub_and_templates_are_installed() -> None:
+    files = resources.files("foldrs")
+    assert files.joinpath("py.typed").is_file()
+    assert files.joinpath("_core.pyi").is_file()
+    assert any(entry.name.endswith(".json") for entry in files.joinpath("templates").iterdir())
+
+
+def test_the_stub_names_what_the_compiled_module_has() -> None:
+    stub = ast.parse((PACKAGE / "_core.pyi").read_text())
+    declared: dict[str, set[str]] = {}
+    for node in stub.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            members = node.body if isinstance(node, ast.ClassDef) else []
+            declared[node.name] = {
+                member.name for member in members if isinstance(member, ast.FunctionDef)
+            } | {member.target.id for member in members
+                 if isinstance(member, ast.AnnAssign) and isinstance(member.target, ast.Name)}  # fmt: skip
+    compiled = {name for name in dir(_core) if not name.startswith("_")}
+    assert {name for name in declared if not name.startswith("_")} == compiled
+    for name, members in declared.items():
+        if isinstance(thing := getattr(_core, name), type):
+            public = {member for member in dir(thing) if not member.startswith("_")}
+            assert public <= members | set(dir(Exception)), name
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)
+def test_every_module_can_be_imported_alone(path: Path) -> None:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    assert importlib.import_module(name).__doc__
+
+
+def python_blocks(page: Path) -> str:
+    return "\n".join(re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE))
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md"])
+def test_the_python_of_the_pages_runs(page: str, tmp_path: Path) -> None:
+    scene = make_scene(builtin_templates("t-shirt")[0], seed=3)
+    scene.write(tmp_path, "photo")
+    scene.write(tmp_path / "scenes", "t-shirt-01")
+    (tmp_path / "page.py").write_text(python_blocks(ROOT / page))
+    done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "result.png").is_file()
+
+
+@pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.stem)
+def test_examples_run(example: Path, tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert not list(tmp_path.iterdir())
+
+
+def test_links_of_the_pages_lead_somewhere() -> None:
+    for page in [ROOT / "README.md", ROOT / "crates/foldrs/README.md", *(ROOT / "docs").glob("*.md")]:
+        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", page.read_text()):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_lock_pins_all_that_is_required() -> None:
+    pins: dict[str, list[Requirement]] = {}
+    for line in (ROOT / "requirements-dev.lock").read_text().splitlines():
+        if line and not line.lstrip().startswith("#"):
+            pin = Requirement(line)
+            pins.setdefault(pin.name, []).append(pin)
+    for text in metadata.requires("foldrs") or []:
+        wanted = Requirement(text)
+        for version in ("3.10", "3.11", "3.12", "3.13"):
+            environment = {
+                **default_environment(),
+                "python_version": version,
+                "python_full_version": f"{version}.9",
+            }
+            pinned = [
+                next(iter(pin.specifier)).version
+                for pin in pins.get(wanted.name, [])
+                if pin.marker is None or pin.marker.evaluate(environment)
+            ]
+            assert len(pinned) == 1, (wanted.name, version, pinned)
+            assert wanted.specifier.contains(pinned[0]), (str(wanted), pinned)
