@@ -35,11 +35,17 @@ test-python: $(VENV)/.built
 	$(BIN)/python -m pytest
 
 .PHONY: lint
-lint: $(VENV)/.built ## Check format, style and types
+lint: lint-rust lint-python ## Check format, style, types and licences
+
+.PHONY: lint-rust
+lint-rust: $(VENV)/.tools
 	@for part in fmt clippy; do cargo $$part --version >/dev/null 2>&1 || \
 	    { echo "cargo $$part is missing: rustup component add rustfmt clippy" >&2; exit 1; }; done
 	cargo fmt --all --check
 	cargo clippy --locked --quiet --workspace --all-targets --all-features -- -D warnings
+
+.PHONY: lint-python
+lint-python: $(VENV)/.built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy

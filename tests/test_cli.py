@@ -271,17 +271,14 @@ def test_synth_names_the_kinds_there_are(tmp_path: Path) -> None:
     assert "towel" in done.stderr
 
 
-def test_demo_shows_what_it_wrote(tmp_path: Path) -> None:
+def test_demo_is_right_and_shows_what_it_wrote(tmp_path: Path) -> None:
     done = foldrs("demo", "--out", tmp_path / "demo")
     assert done.exit_code == 0, done.output
     answer = read(tmp_path / "demo" / "t-shirt.json")
     truth = read(tmp_path / "demo" / "scene" / "t-shirt.json")
-    kind = next(line for line in done.stdout.splitlines() if line.startswith("kind"))
-    assert kind.split() == [
-        "kind",
-        answer["garment_type"],
-        truth["type"],
-        "right" if answer["garment_type"] == truth["type"] else "wrong",
-    ]
+    rows = {line.split("  ")[0]: line.split() for line in done.stdout.splitlines()}
+    assert rows["kind"] == ["kind", answer["garment_type"], truth["type"], "right"]
+    assert rows["fold axis"][-1] == "right"
+    assert rows["grasp pair"][-1] == "right"
     assert cv2.imread(str(tmp_path / "demo" / "t-shirt.png")) is not None
     assert cv2.imread(str(tmp_path / "demo" / "scene" / truth["image"])) is not None

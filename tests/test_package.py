@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ast
 import importlib
+import json
 import re
 import subprocess
 import sys
+from dataclasses import asdict
 from importlib import metadata, resources
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from packaging.requirements import Requirement
 
 import foldrs
 from foldrs import _core
+from foldrs.parameters import Parameters
 from foldrs.synth import make_scene
 from foldrs.template import builtin_templates
 
@@ -68,6 +71,11 @@ def test_the_stub_names_what_the_compiled_module_has() -> None:
         if isinstance(thing := getattr(_core, name), type):
             public = {member for member in dir(thing) if not member.startswith("_")}
             assert public <= members | set(dir(Exception)), name
+
+
+def test_python_and_rust_have_the_same_defaults() -> None:
+    told = json.loads(json.dumps(asdict(Parameters().matching)))  # tuples as lists
+    assert told == json.loads(json.dumps(_core.default_parameters()))
 
 
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.name)

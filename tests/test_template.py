@@ -200,7 +200,7 @@ REFUSED = {
     "landmark without a name": (landmark(" ", [0, 0]), "landmarks", "empty"),
     "landmark of one number": (landmark("tail", [0]), "landmarks.tail", "two numbers"),
     "landmark is NaN": (landmark("tail", [math.nan, 40]), "landmarks.tail", "finite"),
-    "landmark outside": (landmark("tail", [0, 41]), "landmarks.tail", "off the outline"),
+    "landmark outside": (landmark("tail", [0, 46]), "landmarks.tail", "off the outline"),
     "landmark inside": (landmark("tail", [0, 20]), "landmarks.tail", "off the outline"),
     "symmetry is no list": (changed(symmetry="left right"), "symmetry", "list"),
     "mirror image unknown": (changed(symmetry=[["left", "rigth"]]), "symmetry[0][1]", "'rigth'"),

@@ -190,9 +190,9 @@ def fit_jointly(
     outlines: Sequence[_Points],
     templates: Sequence[FlexibleTemplate],
     scale: float | None = None,
-) -> list[JointExplanation]:
+) -> tuple[list[JointExplanation], float]:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
-    The fits start from what partial matching claims about the axis. `scale` is the number of seen units a template
+    Also returns the surprise of the best one's template unfolded. The fits start from what partial matching claims about the axis. `scale` is the number of seen units a template
     unit, if known.
     """

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from foldrs import _core
 from foldrs._template_fields import Pairs, field_error, shown
 
-LANDMARK_TOLERANCE = 0.005
-"""How far off the outline a landmark may be given, as a share of the square root of the area: 3 mm on a shirt
-of 60 x 60 cm. Coordinates rounded to millimetres or pixels stay well below it, a wrong point does not."""
+LANDMARK_TOLERANCE = 0.05
+"""How far off the outline a landmark may be given, as a share of the square root of the area: 3 cm on a shirt
+of 60 x 60 cm. Corners marked by hand on a garment with a rounded hem lie that far off, a wrong point farther."""
 
 _ROUNDING = 1e-9
 """Distance, in the same measure, that is rounding only: such a landmark is kept exactly as given."""

@@ -13,6 +13,7 @@ import click
 
 from foldrs import __version__
 from foldrs.errors import FoldrsError
+from foldrs.evaluate_cli import evaluate_command
 from foldrs.synth_cli import demo_command, synth_command
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def main() -> None:
 
 
 main.add_command(demo_command)
+main.add_command(evaluate_command)
 main.add_command(synth_command)
 
 

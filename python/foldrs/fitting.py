@@ -7,7 +7,7 @@ of it and matches that. The cheapest match of all passes wins.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from foldrs import _core
 from foldrs.alternatives import alike
@@ -26,8 +26,8 @@ class FitStage:
     """The template as it was matched, with the axis found on it."""
     laid: _core.Explanation
     """Its folded outline and the correspondences."""
-    update: TemplateUpdate | None
-    """The pass that followed; None if the template could not be changed."""
+    update: TemplateUpdate | None = None
+    """The pass that followed; None after the last one, and if the template could not be changed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,12 @@ class _Iteration:
 
     def advance(self, courses: Sequence[list[FitStage]]) -> list[list[FitStage]]:
         """Match the updated template of every course and add the stage; return the courses that go on."""
-        going = [(course, course[-1].update.outline) for course in courses if course[-1].update is not None]
+        going = []
+        for course in courses:
+            update = self.update(course[-1])
+            if update is not None:
+                course[-1] = replace(course[-1], update=update)
+                going.append((course, update.outline))
         if not going:
             return []
         candidates, unfolded = self.seen.matches([outline for _, outline in going], self.px_per_unit)
@@ -130,7 +135,7 @@ class _Iteration:
         unfolded_cost: float,
         first: Explanation | None,
     ) -> FitStage | None:
-        """Lay a fold of a template, as given or as fitted so far, over the seen outline, and update it.
+        """Lay a fold of a template, as given or as fitted so far, over the seen outline.
 
         `first` is what the matching stage found on the template as given; None if that is this very fold.
         """
@@ -150,7 +155,11 @@ class _Iteration:
             # The fold has to beat the template unfolded in any shape it took.
             unfolded_cost=min(unfolded_cost, first.unfolded_cost) if first else unfolded_cost,
         )
-        update = update_template(
-            outline, candidate.axis, laid, self.seen.points, self.px_per_unit, self.parameters
+        return FitStage(explanation, laid)
+
+    def update(self, stage: FitStage) -> TemplateUpdate | None:
+        """Make the next template of a stage; None if that cannot be done."""
+        fitted = stage.explanation.fitted
+        return update_template(
+            fitted.outline, fitted.axis, stage.laid, self.seen.points, self.px_per_unit, self.parameters
         )
-        return FitStage(explanation, laid, update)

@@ -17,23 +17,24 @@ from foldrs.template import Template
 def fit_jointly(
     seen: _core.Seen, templates: Sequence[Template], px_per_unit: float | None, parameters: Mapping[str, Any]
 ) -> list[Explanation]:
-    """Fit every template jointly with its crease, from all candidates of the matching stage; the best first."""
-    candidates, unfolded = seen.matches([t.outline for t in templates], px_per_unit)
+    """Fit every template jointly with its crease, from all claims about its axis; the best first."""
     flexible = [flexible_template(t, parameters) for t in templates]
+    outlines = [t.outline for t in templates]
+    fits, unfolded = _core.fit_jointly(seen, outlines, flexible, px_per_unit)
     return [
         Explanation(
             template=templates[fit.template],
-            original_axis=candidates[fit.candidate].axis,
+            original_axis=fit.original_axis,
             fitted=FittedTemplate(
                 fit.outline, carried_landmarks(templates[fit.template], fit.outline), fit.axis
             ),
             to_image=fit.to_seen,
             crease=fit.crease,
             cost=fit.surprise,
-            original_cost=candidates[fit.candidate].cost,
-            unfolded_cost=unfolded[fit.template],
+            original_cost=fit.surprise,
+            unfolded_cost=unfolded,
         )
-        for fit in _core.fit_jointly(seen, flexible, candidates, px_per_unit)
+        for fit in fits
     ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from foldrs import _core
-from foldrs.explanation import Explanation, directed_crease
+from foldrs.explanation import Explanation, Points, apply, directed_crease
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
 
@@ -19,7 +19,7 @@ def match(
     for candidate in candidates[:most]:
         template = templates[candidate.template]
         laid = seen.explain(template.outline, candidate)
-        if laid is None:
+        if laid is None or not folds(laid.to_seen, template, laid.crease):
             continue
         explanations.append(
             Explanation(
@@ -34,3 +34,12 @@ def match(
             )
         )
     return explanations
+
+
+def folds(to_image: Points, template: Template, crease: Points) -> bool:
+    """Whether the crease folds the template where it is laid; a poor map may carry it off."""
+    try:
+        _core.fold_layers(apply(to_image, template.outline), crease)
+    except ValueError:
+        return False
+    return True

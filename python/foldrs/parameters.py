@@ -131,7 +131,7 @@ class HypothesisParameters:
     distance_bin: float = 0.03
     """Width of the bins over the axis's distance from the template's centre, as a share of the square root of its
     area: some 1.5 cm."""
-    most: int = 80
+    most: int = 200
     """At most this many hypotheses a template are tested, the most confident first."""
 
 
@@ -169,6 +169,8 @@ class JointFitParameters:
     """Points of the seen outline to be explained."""
     nodes: int = 64
     """Nodes of the signed distance field along its longer side."""
+    simplify: float = 0.01
+    """Tolerance of the template's simplification, of the size: finer detail moves along."""
     shape: float = 0.1
     """Spread of a corner about the template's, of the size. Real garments of a kind differ from their mean by 8 %
     (3 to 6 cm) a corner."""
@@ -210,6 +212,8 @@ class JointFitParameters:
     """At most this many iterations with the true noise."""
     longest_step: float = 6.0
     """Longest step of a corner in one iteration."""
+    directions: int = 12
+    """Directions tried for the template unfolded."""
     starts: int = 300
     """At most this many claims a template are tried, the most confident first."""
     refined: int = 40
@@ -234,24 +238,25 @@ class FittingParameters:
 
     iterations: int = 5
     """Passes of matching and fitting, as in the paper."""
-    starts: int = 3
-    """At most this many distinct folds of a template are fitted, the cheapest first: the true one is often among
-    them, and the cheapest only once it fits."""
+    starts: int = 1
+    """At most this many distinct folds of a template are fitted, the cheapest first. One, as in the paper, is
+    as often right as two or three; more give more alternatives."""
     starts_in_all: int = 8
-    """At most this many folds of all templates are fitted, but always one a template: this bounds the time."""
+    """At most this many folds of all templates are fitted, but always one a template: bounds the time."""
     neighbours: int = 15
     """Np, points of the folded outline (of 100) around each that its similarity is estimated from."""
-    width: float = 0.16
-    """Standard deviation of the Gaussian over the template's arc length, as a share of its perimeter."""
+    width: float = 0.25
+    """Standard deviation of the Gaussian over the template's arc length, as a share of its perimeter. Wide:
+    hidden parts are extrapolated from all that is seen; narrower, a wrong fold bends into place."""
     whole: float = 1e-4
     """Weight of every point in every local similarity: a neighbourhood without any moves with the whole."""
     points: int = 100
     """Points on the template's sides that lines are fitted to."""
     reach: float = 0.02
-    """Distance along the template, as a share of its perimeter, to the next visible point up to which a point takes
-    part in a line; others are extrapolated. Visible points lie 0.01 to 0.015 apart."""
+    """Distance along the template, as a share of its perimeter, to the next visible point up to which a point
+    takes part in a line; others are extrapolated. Visible points lie some 0.01 apart."""
     tolerance: float = 0.01
-    """Distance from a line up to which a point is on it, as a share of the square root of the area: some 0.5 cm."""
+    """Distance from a line up to which a point is on it, as a share of the square root of the area: 0.5 cm."""
     fewest: int = 4
     """Points that a line needs; a side with fewer keeps its registered corners."""
     trials: int = 50
@@ -261,9 +266,10 @@ class FittingParameters:
     seed: int = 0
     """Seed of the pairs tried: the same input gives the same output."""
     least_angle: float = 15.0
-    """Degrees: sides that meet at a smaller angle are nearly parallel, and their corner stays as registered."""
+    """Degrees: sides that meet at a smaller angle are nearly parallel; their corner stays as registered."""
     largest_shift: float = 0.1
-    """A corner moves at most this far from where it was registered, as a share of the square root of the area."""
+    """A corner moves at most this far from where it was registered, as a share of the square root of the
+    area: two nearly parallel lines may meet anywhere."""
 
 
 @dataclass(frozen=True)

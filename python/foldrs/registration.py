@@ -70,13 +70,16 @@ def local_similarities(weights: Points, source: Points, target: Points) -> Local
         k of them. One whose points do not spread is the mere translation of their mean.
     """
     share = weights / weights.sum(axis=1, keepdims=True)
-    z, w = as_complex(source), as_complex(target)
-    mean_z, mean_w = share @ z, share @ w
-    spread = share @ np.abs(z) ** 2 - np.abs(mean_z) ** 2
-    cross = share @ (w * z.conj()) - mean_w * mean_z.conj()
+    origin = source.mean(axis=0)  # far from the points, their spread would be lost in rounding
+    z, w = as_complex(source - origin), as_complex(target)
+    # Not by `@`: for arrays this small the threads of a BLAS cost far more than the sums.
+    moments = np.einsum("km,cm->ck", share, np.stack([z, w, z * z.conj(), w * z.conj()]))
+    mean_z, mean_w = moments[0], moments[1]
+    spread = moments[2].real - np.abs(mean_z) ** 2
+    cross = moments[3] - mean_w * mean_z.conj()
     flat = spread <= 1e-12 * np.ptp(source, axis=0).max() ** 2
     turn = np.where(flat, 1.0, cross / np.where(flat, 1.0, spread))
-    return LocalSimilarities(turn, mean_w - turn * mean_z)
+    return LocalSimilarities(turn, mean_w - turn * (mean_z + as_complex(origin)))
 
 
 def register_fold(
@@ -154,10 +157,10 @@ def register_template(
     return maps.apply(_core.points_at(outline, at))
 
 
-def shares_apart(outline: Points, at: NDArray[np.float64], visible: NDArray[np.float64]) -> Points:
-    """(k, v) distances along the outline, as shares of its length, between k and v points given by arc length."""
+def shares_apart(outline: Points, at: NDArray[np.float64], others: NDArray[np.float64]) -> Points:
+    """Return (k, v) distances between arc lengths of a closed outline, as shares of its whole length."""
     length = perimeter(outline)
-    apart = np.abs(at[:, None] - visible)
+    apart = np.abs(at[:, None] - others)
     return np.minimum(apart, length - apart) / length
 
 

@@ -22,6 +22,10 @@ SCHEMA = 1
 
 Points = NDArray[np.float64]
 
+# The mask can only be read by setting it, which no two threads may do at once: read it when the module is loaded.
+_UMASK = os.umask(0o022)
+os.umask(_UMASK)
+
 
 @dataclass(frozen=True, eq=False)
 class FittedTemplate:
@@ -158,6 +162,8 @@ def write_whole(path: Path, content: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
+        # A temporary file is its owner's alone; the result is to be as readable as any file made here.
+        Path(name).chmod(0o666 & ~_UMASK)
         Path(name).replace(path)
     except BaseException:
         Path(name).unlink(missing_ok=True)

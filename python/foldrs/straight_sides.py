@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,8 +63,9 @@ def straight_lines(
     dict of int to (2, 2) array
         A point of the line and its direction, for every side with enough points.
     """
-    from skimage.measure import LineModelND, ransac  # slow to import, and needed by the fitting stage alone
+    from skimage import measure  # slow to import, and needed by this stage alone
 
+    ransac: Callable[..., Any] = measure.ransac
     lines: dict[int, Points] = {}
     for i in np.unique(side):
         own = points[(side == i) & supported]
@@ -71,7 +73,7 @@ def straight_lines(
             continue
         _, inliers = ransac(
             own,
-            LineModelND,
+            measure.LineModelND,
             min_samples=2,
             residual_threshold=parameters.tolerance * unit,
             max_trials=parameters.trials,
@@ -84,7 +86,7 @@ def straight_lines(
 
 
 def principal_line(points: Points) -> Points:
-    """Mean and main direction of (k, 2) points: the straight line with the least squared distances."""
+    """Return mean and main direction of (k, 2) points: the line with the least squared distances."""
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
     return np.stack([middle, axes[0]])
@@ -93,7 +95,7 @@ def principal_line(points: Points) -> Points:
 def new_corners(
     registered: Points, lines: Mapping[int, Points], unit: float, parameters: FittingParameters
 ) -> Points:
-    """Corners of the updated template: where the lines of neighbouring sides meet.
+    """Find the corners of the updated template: where the lines of neighbouring sides meet.
 
     A corner stays where it was registered if one of its sides has no line, if they are nearly parallel, or if
     they meet too far away.
@@ -109,7 +111,7 @@ def new_corners(
     parameters : FittingParameters
         Least angle and largest shift.
     """
-    corners = registered.copy()
+    corners: Points = registered.copy()
     for i in range(len(corners)):
         before, after = lines.get((i - 1) % len(corners)), lines.get(i)
         if before is None or after is None:

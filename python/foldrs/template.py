@@ -71,7 +71,7 @@ class Template:
     outline : (n, 2) float64 array
         Corners of the closed outline, (x, y) with y down; the first point is not repeated. Either winding.
     landmarks : mapping of str to (2,) float64 array
-        Named points of the outline, in the order given. A landmark off it by rounding (up to 0.5 % of the
+        Named points of the outline, in the order given. A landmark marked a little off it (up to 5 % of the
         square root of the area) is moved to the nearest point of the outline.
     symmetry : tuple of (str, str)
         Landmarks that are mirror images of each other. One on the mirror axis may be paired with itself.

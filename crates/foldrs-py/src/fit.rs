@@ -90,7 +90,7 @@ pub(crate) fn fit_jointly(
     outlines: Vec<PyReadonlyArray2<'_, f64>>,
     templates: Vec<PyRef<'_, PyFlexibleTemplate>>,
     scale: Option<f64>,
-) -> PyResult<Vec<PyJointExplanation>> {
+) -> PyResult<(Vec<PyJointExplanation>, f64)> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
@@ -99,12 +99,12 @@ pub(crate) fn fit_jointly(
     let fits = py.detach(|| {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
         let fits = explain_jointly(&seen.seen, &templates, &claims, scale, &seen.parameters.fit);
-        fits.into_iter()
-            .map(|fit| PyJointExplanation {
-                original_axis: claims[fit.claim].hypothesis.axis,
-                fit,
-            })
-            .collect()
+        let folds = fits.folds.into_iter();
+        let told = folds.map(|fit| PyJointExplanation {
+            original_axis: claims[fit.claim].hypothesis.axis,
+            fit,
+        });
+        (told.collect(), fits.unfolded)
     });
     Ok(fits)
 }

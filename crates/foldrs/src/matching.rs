@@ -178,7 +178,11 @@ fn creases_of(outline: &Outline, parameters: &Parameters) -> Vec<Side> {
         for other in &sides {
             if let Some(segment) = in_one_line(one, other, parameters.side.in_line * unit) {
                 // What lies between the two is no part of the crease: the longer one stands for it on the outline.
-                let arc = if length(one) >= length(other) { one.arc } else { other.arc };
+                let arc = if length(one) >= length(other) {
+                    one.arc
+                } else {
+                    other.arc
+                };
                 spanning.push(Side { segment, arc });
             }
         }

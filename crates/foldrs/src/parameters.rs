@@ -134,7 +134,7 @@ impl Default for HypothesisParameters {
             stretch: 1.6,
             angle_bins: 36,
             distance_bin: 0.03,
-            most: 80,
+            most: 200,
         }
     }
 }
@@ -152,6 +152,8 @@ pub struct FitParameters {
     pub samples: usize,
     /// Nodes of the signed distance field along its longer side.
     pub nodes: usize,
+    /// Tolerance of the template's simplification, as a share of the square root of its area: finer detail moves along.
+    pub simplify: f64,
     /// Spread of a corner about the template's, as a share of the square root of the template's area. Real garments of
     /// a kind differ from their mean by 8 % (3 to 6 cm) a corner.
     pub shape: f64,
@@ -194,6 +196,8 @@ pub struct FitParameters {
     pub iterations: usize,
     /// Longest step of a corner in one iteration.
     pub longest_step: f64,
+    /// Directions tried for the template unfolded.
+    pub directions: usize,
     /// At most this many claims a template are tried, the most confident first.
     pub starts: usize,
     /// Starts a template that are fitted to the end, the most promising first.
@@ -205,6 +209,7 @@ impl Default for FitParameters {
         Self {
             samples: 100,
             nodes: 64,
+            simplify: 0.01,
             shape: 0.1,
             edge: 0.25,
             edge_floor: 0.02,
@@ -225,6 +230,7 @@ impl Default for FitParameters {
             coarse_iterations: 5,
             iterations: 12,
             longest_step: 6.0,
+            directions: 12,
             starts: 300,
             refined: 40,
         }

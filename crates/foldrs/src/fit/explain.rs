@@ -1,6 +1,6 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
-use super::{fit_jointly, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use super::{fit_jointly, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField, Start};
 use crate::matching::{Claim, Seen};
 use crate::parameters::FitParameters;
 use crate::registration::PlaneMap;
@@ -26,6 +26,15 @@ pub struct JointExplanation {
     pub surprise: f64,
 }
 
+/// What the joint fit found.
+#[derive(Debug, Clone)]
+pub struct JointFits {
+    /// The folds that explain the outline, the best evidence first.
+    pub folds: Vec<JointExplanation>,
+    /// Surprise of the best fold's template unfolded: a fold is accepted only if its own is less.
+    pub unfolded: f64,
+}
+
 /// Fits every template jointly with the crease, from all claims; the best evidence first.
 ///
 /// `scale` is the number of seen units a template unit, if known.
@@ -35,16 +44,20 @@ pub fn explain_jointly(
     claims: &[Claim],
     scale: Option<f64>,
     parameters: &FitParameters,
-) -> Vec<JointExplanation> {
+) -> JointFits {
+    let mut found = JointFits {
+        folds: Vec::new(),
+        unfolded: f64::INFINITY,
+    };
     if templates.is_empty() {
-        return Vec::new();
+        return found;
     }
     let area = seen.outline().signed_area().abs();
     let mean_unit = templates.iter().map(|t| t.area.sqrt()).sum::<f64>() / templates.len() as f64;
     // One fold hides between nothing and half of the garment: on the average the seen area is 1 / 1.3 of it.
     let working = scale.unwrap_or((1.3 * area).sqrt() / mean_unit);
     let Some(outline) = scaled(seen.outline(), 1.0 / working) else {
-        return Vec::new();
+        return found;
     };
     let field = SeenField::new(&outline, parameters.samples, parameters.nodes);
     let parameters = match scale {
@@ -64,7 +77,7 @@ pub fn explain_jointly(
         if tried[t] > parameters.starts {
             continue;
         }
-        let expected = scale.map_or((1.3 * field.area / templates[t].area).sqrt(), |_| 1.0);
+        let expected = scale.map_or(ratio(1.3 * field.area, templates[t].area), |_| 1.0);
         let Some(side) = seen.sides().get(claim.hypothesis.side) else {
             continue;
         };
@@ -74,16 +87,32 @@ pub fn explain_jointly(
             from.push((start, index));
         }
     }
-    fit_jointly(&field, templates, &starts, &parameters)
+    let fits = fit_jointly(&field, templates, &starts, &parameters);
+    if let Some((t, _)) = fits.first() {
+        let expected = scale.map_or(ratio(field.area, templates[*t].area), |_| 1.0);
+        let unfolded = fit_unfolded(&field, &templates[*t], outline.centroid(), expected, &parameters);
+        found.unfolded = unfolded.map_or(f64::INFINITY, |fit| fit.surprise);
+    }
+    // Which side is the crease is one more thing to be told.
+    let choice = (seen.sides().len() as f64).ln();
+    found.folds = fits
         .into_iter()
         .filter_map(|(t, fit)| {
-            let claim = from
-                .iter()
-                .find(|(start, i)| *start == fit.start && claims[*i].template == t)?
-                .1;
-            explanation(t, claim, &templates[t], &fit, working, scale.is_some())
+            let same = |(start, i): &&(Start, usize)| *start == fit.start && claims[*i].template == t;
+            let claim = from.iter().find(same)?.1;
+            let told = explanation(t, claim, &templates[t], &fit, working, scale.is_some())?;
+            Some(JointExplanation {
+                surprise: told.surprise + choice,
+                ..told
+            })
         })
-        .collect()
+        .collect();
+    found
+}
+
+/// Ratio of lengths of two areas.
+fn ratio(a: f64, b: f64) -> f64 {
+    (a / b).sqrt()
 }
 
 fn scaled(outline: &Outline, factor: f64) -> Option<Outline> {
@@ -104,22 +133,20 @@ fn explanation(
     } else {
         (1.0, fit.scale)
     };
-    let mut outline: Vec<Point> = fit
+    let corners: Vec<Point> = fit
         .corners
         .iter()
         .map(|c| flexible.centre + c.coords * own)
         .collect();
+    let outline = flexible.bent(&corners);
     let (s, c) = fit.turn.sin_cos();
     let mirror = if fit.start.reflected { -1.0 } else { 1.0 };
     let linear = Matrix2::new(c * mirror, -s, s * mirror, c) * (map_scale * working);
     let first = fit.ring.first()? * working;
     let to_seen = PlaneMap {
         linear,
-        offset: first.coords - linear * outline.first()?.coords,
+        offset: first.coords - linear * corners.first()?.coords,
     };
-    if flexible.reversed {
-        outline[1..].reverse();
-    }
     let crease = fit.crease.map(|p| p * working);
     let back = to_seen.inverse()?;
     let axis = crease.map(|p| back.apply(&p));

@@ -24,22 +24,33 @@ pub(super) struct Piece {
 
 /// The pieces of the folded model: every edge of the ring cut at the creased chords, and the creases.
 ///
-/// `axis` has the flap on its left. `None` if it creases no chord, or nothing is left to turn over.
-pub(super) fn pieces(ring: &[Point], axis: &Axis, covered: f64) -> Option<Vec<Piece>> {
+/// `axis` has the flap on its left and creases the chords of which it covers the share `covered`; without such a share
+/// the ring is left unfolded. `None` if the axis creases no chord.
+pub(super) fn pieces(ring: &[Point], axis: &Axis, covered: Option<f64>) -> Option<Vec<Piece>> {
     let outline = Outline::new(ring.to_vec())
         .ok()
         .filter(|o| o.points().len() == ring.len())?;
-    let mut chords = axis.chords(&outline).ok()?;
-    chords.retain(|c| c.length() > 0.0 && c.overlap(0.0, axis.length) >= covered * c.length());
+    let mut chords = Vec::new();
+    if let Some(covered) = covered {
+        chords = axis.chords(&outline).ok()?;
+        chords.retain(|c| c.length() > 0.0 && c.overlap(0.0, axis.length) >= covered * c.length());
+        if chords.is_empty() {
+            return None;
+        }
+    }
     let crossings: Vec<&Crossing> = chords.iter().flat_map(|c| &c.ends).collect();
     let n = ring.len();
-    let first = (0..n).find_map(|i| crossings.iter().find(|c| c.edge == i))?;
+    // Before its first creased crossing the ring is on the layer opposite to the one it then enters.
+    let first = (0..n).find_map(|i| crossings.iter().find(|c| c.edge == i));
+    let mut layer = if first.is_some_and(|c| !c.to_left) {
+        Layer::Flap
+    } else {
+        Layer::Kept
+    };
     let after = |c: &Crossing| if c.to_left { Layer::Flap } else { Layer::Kept };
 
     let forward = outline.signed_area() > 0.0;
     let mut pieces = Vec::with_capacity(n + 2 * chords.len());
-    // Before its first creased crossing the ring is on the layer opposite to the one it then enters.
-    let mut layer = if first.to_left { Layer::Kept } else { Layer::Flap };
     for i in 0..n {
         let j = (i + 1) % n;
         let (a, b) = (ring[i], ring[j]);

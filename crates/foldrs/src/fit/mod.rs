@@ -17,7 +17,7 @@ mod layers;
 mod shape;
 mod solve;
 
-pub use explain::{explain_jointly, JointExplanation};
+pub use explain::{explain_jointly, JointExplanation, JointFits};
 pub use field::SeenField;
 pub use shape::FlexibleTemplate;
 pub use solve::{JointFit, Start};
@@ -86,7 +86,37 @@ pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option
         turn,
         scale,
         reflected,
+        folded: true,
     })
+}
+
+/// The template unfolded, fitted from all directions and both faces; the best evidence.
+///
+/// What a fold has to beat: the seen outline explained without any.
+pub fn fit_unfolded(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    target: Point,
+    scale: f64,
+    parameters: &FitParameters,
+) -> Option<JointFit> {
+    let steps = parameters.directions;
+    let start = |k: usize| Start {
+        side: [target, target + nalgebra::Vector2::x()],
+        anchor: template.centre,
+        target,
+        turn: std::f64::consts::TAU * (k / 2) as f64 / steps as f64,
+        scale,
+        reflected: k % 2 == 1,
+        folded: false,
+    };
+    let starts: Vec<(usize, Start)> = (0..2 * steps).map(|k| (0, start(k))).collect();
+    let few = FitParameters {
+        refined: 3,
+        ..parameters.clone()
+    };
+    let fits = fit_jointly(field, std::slice::from_ref(template), &starts, &few);
+    fits.into_iter().next().map(|(_, fit)| fit)
 }
 
 /// The points of a closed ring at equal distances with the directions of the ring there.

@@ -13,8 +13,10 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 /// its two halves differ less from each other than from the template.
 #[derive(Debug, Clone)]
 pub struct FlexibleTemplate {
-    /// Corners relative to [`FlexibleTemplate::centre`], wound positively.
+    /// Corners of the simplified template relative to [`FlexibleTemplate::centre`], wound positively.
     pub(super) corners: Vec<Vector>,
+    /// For every vertex of the template where it lies on the simplified one.
+    vertices: Vec<Vertex>,
     /// What the corners are relative to, in template coordinates.
     pub centre: Point,
     /// Whether the corners run the other way round than the outline given.
@@ -32,9 +34,13 @@ impl FlexibleTemplate {
     pub fn new(outline: &Outline, mirror: &[[Point; 2]], parameters: &FitParameters) -> Self {
         let reversed = outline.signed_area() < 0.0;
         let outline = outline.clone().positive();
-        let points = outline.points();
         let centre = outline.centroid();
         let unit = outline.signed_area().sqrt();
+        // A traced outline has hundreds of vertices; what bends is its corners.
+        let knots = outline.simplify(parameters.simplify * unit);
+        let vertices = vertices(outline.points(), &knots);
+        let points: Vec<Point> = knots.iter().map(|&k| outline.points()[k]).collect();
+        let points = points.as_slice();
         let n = points.len();
         let mut precision = DMatrix::zeros(2 * n, 2 * n);
 
@@ -64,6 +70,7 @@ impl FlexibleTemplate {
         let corners = points.iter().map(|p| p - centre).collect();
         Self {
             corners,
+            vertices,
             centre,
             reversed,
             area: outline.signed_area(),
@@ -72,10 +79,53 @@ impl FlexibleTemplate {
         }
     }
 
+    /// All vertices of the template when its corners are moved, in the order of the outline given.
+    pub(super) fn bent(&self, corners: &[Point]) -> Vec<Point> {
+        let mut bent: Vec<Point> = self
+            .vertices
+            .iter()
+            .map(|v| {
+                let (a, b) = (corners[v.edge], corners[(v.edge + 1) % corners.len()]);
+                let along = b - a;
+                a + along * v.along + Vector::new(-along.y, along.x) * v.across
+            })
+            .collect();
+        if self.reversed {
+            bent[1..].reverse();
+        }
+        bent
+    }
+
     /// Minus log of the prior density of displacements, without its constant.
     pub(super) fn cost(&self, displacement: &DVector<f64>) -> f64 {
         0.5 * displacement.dot(&(&self.precision * displacement))
     }
+}
+
+/// A vertex relative to an edge of the simplified template, in shares of that edge's length.
+#[derive(Debug, Clone, Copy)]
+struct Vertex {
+    edge: usize,
+    along: f64,
+    across: f64,
+}
+
+/// Every vertex relative to the edge between the two knots around it.
+fn vertices(points: &[Point], knots: &[usize]) -> Vec<Vertex> {
+    let count = knots.len();
+    (0..points.len())
+        .map(|i| {
+            let edge = (knots.partition_point(|&k| k <= i) + count - 1) % count;
+            let (a, b) = (points[knots[edge]], points[knots[(edge + 1) % count]]);
+            let (along, v) = (b - a, points[i] - a);
+            let squared = along.norm_squared();
+            Vertex {
+                edge,
+                along: along.dot(&v) / squared,
+                across: along.perp(&v) / squared,
+            }
+        })
+        .collect()
 }
 
 /// Adds `weight |d_j - M d_i|^2` to the quadratic form.

@@ -24,6 +24,8 @@ pub struct Start {
     pub scale: f64,
     /// Whether the template is mirrored first (x -> -x).
     pub reflected: bool,
+    /// Whether the template is folded over the side at all.
+    pub folded: bool,
 }
 
 /// A template fitted to the seen outline.
@@ -179,6 +181,10 @@ impl<'a> Problem<'a> {
         }
     }
 
+    fn pieces(&self, ring: &[Point], axis: &Axis) -> Option<Vec<Piece>> {
+        pieces(ring, axis, self.start.folded.then_some(self.parameters.covered))
+    }
+
     fn step(&self, state: &State, noise: f64) -> Option<State> {
         let normal = self.linearise(state, noise)?;
         let delta = normal.hessian.cholesky()?.solve(&(-normal.gradient));
@@ -213,7 +219,7 @@ impl<'a> Problem<'a> {
     fn linearise(&self, state: &State, noise: f64) -> Option<Normal> {
         let ring = self.ring(state);
         let axis = self.axis(state);
-        let pieces = pieces(&ring, &axis, self.parameters.covered)?;
+        let pieces = self.pieces(&ring, &axis)?;
         let n = state.displacement.len();
         let mut normal = Normal {
             hessian: DMatrix::zeros(n + 6, n + 6),
@@ -310,12 +316,16 @@ impl<'a> Problem<'a> {
         let surprise = normal.residual + normal.prior + 0.5 * (log_det - self.template.log_det - poses);
         let ring = self.ring(&state);
         let axis = self.axis(&state);
-        let ends: Vec<Point> = pieces(&ring, &axis, self.parameters.covered)?
+        let ends: Vec<Point> = self
+            .pieces(&ring, &axis)?
             .iter()
             .filter(|p| p.layer == Layer::Crease)
             .flat_map(|p| p.ends)
             .collect();
-        let crease = [*ends.first()?, *ends.last()?];
+        let crease = match ends.as_slice() {
+            [first, .., last] => [*first, *last],
+            _ => self.start.side,
+        };
         let corners = self
             .template
             .corners
