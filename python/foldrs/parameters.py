@@ -210,6 +210,12 @@ class JointFitParameters:
     """Iterations with the coarse noise."""
     iterations: int = 12
     """At most this many iterations with the true noise."""
+    polish_noise: float = 0.3
+    """Noise of the last iterations, which draw the corners onto the outline."""
+    polish_iterations: int = 6
+    """Iterations with that noise."""
+    polished: int = 20
+    """So many of the best fits are drawn onto the outline."""
     longest_step: float = 6.0
     """Longest step of a corner in one iteration."""
     directions: int = 12
@@ -256,7 +262,7 @@ class FittingParameters:
     """Distance along the template, as a share of its perimeter, to the next visible point up to which a point
     takes part in a line; others are extrapolated. Visible points lie some 0.01 apart."""
     tolerance: float = 0.01
-    """Distance from a line up to which a point is on it, as a share of the square root of the area: 0.5 cm."""
+    """Largest distance of inliers from a line, as a share of the square root of the area (0.5 cm)."""
     fewest: int = 4
     """Points that a line needs; a side with fewer keeps its registered corners."""
     trials: int = 50

@@ -194,6 +194,12 @@ pub struct FitParameters {
     pub coarse_iterations: usize,
     /// At most this many iterations with the true noise.
     pub iterations: usize,
+    /// Noise of the last iterations, which draw the corners onto the outline.
+    pub polish_noise: f64,
+    /// Iterations with that noise.
+    pub polish_iterations: usize,
+    /// So many of the best fits are drawn onto the outline.
+    pub polished: usize,
     /// Longest step of a corner in one iteration.
     pub longest_step: f64,
     /// Directions tried for the template unfolded.
@@ -229,6 +235,9 @@ impl Default for FitParameters {
             coarse_noise: 3.0,
             coarse_iterations: 5,
             iterations: 12,
+            polish_noise: 0.3,
+            polish_iterations: 6,
+            polished: 20,
             longest_step: 6.0,
             directions: 12,
             starts: 300,

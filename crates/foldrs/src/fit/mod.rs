@@ -56,6 +56,16 @@ pub fn fit_jointly(
     .flatten()
     .collect();
     fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    // Only the first few are ever shown.
+    let shown: Vec<Option<JointFit>> =
+        parallel::map(&fine[..fine.len().min(parameters.polished)], |(t, fit)| {
+            solve::polished(field, &templates[*t], fit, parameters)
+        });
+    for (fit, better) in fine.iter_mut().zip(shown) {
+        if let Some(better) = better {
+            fit.1 = better;
+        }
+    }
     fine
 }
 

@@ -119,6 +119,27 @@ pub(super) fn fine(
     best
 }
 
+/// Draws the corners onto the outline: a few more iterations with a noise small enough for the template's shape to give
+/// way wherever the outline is seen. The evidence stays that of the fit.
+pub(super) fn polished(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    fit: &JointFit,
+    parameters: &FitParameters,
+) -> Option<JointFit> {
+    let problem = Problem::new(field, template, fit.start, parameters)?;
+    let mut state = fit.state.clone();
+    for _ in 0..parameters.polish_iterations {
+        state = problem.step(&state, parameters.polish_noise)?;
+    }
+    let polished = problem.finish(state, parameters.polish_noise)?;
+    Some(JointFit {
+        surprise: fit.surprise,
+        residual: fit.residual,
+        ..polished
+    })
+}
+
 impl<'a> Problem<'a> {
     fn new(
         field: &'a SeenField,
