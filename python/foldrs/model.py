@@ -29,6 +29,8 @@ class FoldedModel:
     px_per_unit: float
     """Scale of the picture: px a template unit."""
     parameters: GraspParameters
+    seen_outline: Points
+    """(n, 2) px: the outline seen in the image."""
 
     @cached_property
     def unfolded_outline(self) -> Points:
@@ -53,8 +55,20 @@ class FoldedModel:
         now = np.where(turned[:, None], _core.reflect(unfolded, self.explanation.crease), unfolded)
         _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, now)
         clear = self.layers.distance_to_double_layer(now) > self.parameters.clearance * self.px_per_unit
-        reachable = clear & (off_outline <= self.parameters.on_outline * self.px_per_unit)
-        return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, reachable, strict=True)}
+        visible = off_outline <= self.parameters.on_outline * self.px_per_unit
+        now = np.where(visible[:, None], self._on_seen_outline(now), now)
+        return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, clear & visible, strict=True)}
+
+    def _on_seen_outline(self, points: Points) -> Points:
+        """Points of the model's outline moved onto the seen one: to a corner of it near by, else straight to it."""
+        unit = float(np.sqrt(abs(_core.signed_area(self.seen_outline))))
+        corners = _core.simplify(self.seen_outline, self.parameters.corner_tolerance * unit)
+        apart = np.linalg.norm(points[:, None] - corners[None], axis=2)
+        nearest, distance, _ = _core.nearest_on_outline(self.seen_outline, points)
+        limit = self.parameters.snap * self.px_per_unit
+        onto = np.where((distance <= limit)[:, None], nearest, points)
+        at_corner = apart.min(axis=1) <= self.parameters.snap_corner * self.px_per_unit
+        return np.where(at_corner[:, None], corners[apart.argmin(axis=1)], onto)
 
     @cached_property
     def grasp_pairs(self) -> tuple[GraspPair, ...]:

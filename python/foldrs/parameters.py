@@ -286,6 +286,13 @@ class GraspParameters:
     """Template units (cm): no double layer this near to an accessible landmark. A finger's width."""
     on_outline: float = 1.0
     """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
+    snap: float = 3.0
+    """Template units (cm): a landmark on the model's outline is moved to the seen one if that is this near; straight
+    edges overshoot rounded corners."""
+    snap_corner: float = 2.0
+    """Template units (cm): a corner of the seen outline this near is preferred; landmarks are corners."""
+    corner_tolerance: float = 0.02
+    """Tolerance of the simplification whose corners count, as a share of the square root of the outline's area."""
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,7 @@ def result_of(
     """The result for distinct explanations, the chosen one first."""
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
-    model = FoldedModel(best, px_per_unit, parameters.grasp)
+    model = FoldedModel(best, px_per_unit, parameters.grasp, outline)
     return FitResult(
         garment_type=best.template.garment_type,
         accepted=best.accepted,
