@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 SHARED = Path(__file__).resolve().parents[1] / "../shared"
 
 settings.register_profile(
-    "foldrs", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
+    "foldrs",
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )
 settings.load_profile("foldrs")
 

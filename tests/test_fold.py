@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import simple_polygons
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from shapely import affinity
 from shapely.geometry import LineString, Polygon
 from shapely.ops import split, unary_union
 
+from conftest import simple_polygons
 from foldrs import _core
 
 
 def line_through(outline, angle, shift):
-    """An axis that spans the whole outline: direction ``angle``, ``shift`` of the extent beside its centre."""
+    """An axis spanning the whole outline: direction ``angle``, ``shift`` of the extent beside its centre."""
     d = np.array([np.cos(angle), np.sin(angle)])
     size = np.ptp(outline, axis=0).max()
     middle = outline.mean(axis=0) + shift * size * np.array([-d[1], d[0]])
@@ -56,7 +56,9 @@ def check_against_shapely(outline, axis):
     assert ours.buffer(0).symmetric_difference(union_area_and_outline([*kept, *flap])).area < 1e-6 * area
     # Cloth is neither lost nor made, layer by layer.
     for mine, theirs in ((folded.kept, kept), (folded.flap, flap)):
-        assert sum(Polygon(p).area for p in mine) == pytest.approx(sum(p.area for p in theirs), abs=1e-9 * area)
+        assert sum(Polygon(p).area for p in mine) == pytest.approx(
+            sum(p.area for p in theirs), abs=1e-9 * area
+        )
 
 
 def check_unfolds(outline, axis):
@@ -71,7 +73,7 @@ def check_unfolds(outline, axis):
 def test_folding_random_outlines_over_a_whole_line(outline, angle, shift):
     axis = line_through(outline, angle, shift)
     kept, flap = folded_by_shapely(outline, axis)
-    assume(min(map(lambda ps: sum(p.area for p in ps), (kept, flap))) > 1e-3)
+    assume(min(sum(p.area for p in ps) for ps in (kept, flap)) > 1e-3)
     check_against_shapely(outline, axis)
     check_unfolds(outline, axis)
 
@@ -84,7 +86,9 @@ def test_folding_real_outlines(real_outlines):
         check_unfolds(outline, axis)
 
 
-H = np.array([[0, 0], [1, 0], [1, 2], [2, 2], [2, 0], [3, 0], [3, 5], [2, 5], [2, 3], [1, 3], [1, 5], [0, 5]], float)
+H = np.array(
+    [[0, 0], [1, 0], [1, 2], [2, 2], [2, 0], [3, 0], [3, 5], [2, 5], [2, 3], [1, 3], [1, 5], [0, 5]], float
+)
 
 
 def test_only_the_chord_under_the_axis_is_creased():

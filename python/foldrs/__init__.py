@@ -1,6 +1,7 @@
-"""Which garment is it, where is it folded, and where to grasp it: foldable templates fitted to one photograph.
+"""Which garment is it, where is it folded, where to grasp it: foldable templates fitted to one photograph.
 
-The method is that of Mariolis & Malassiotis, *Modelling folded garments by fitting foldable templates* (2015).
+The method is that of Mariolis & Malassiotis, *Modelling folded garments by fitting foldable templates*
+(2015).
 
 Examples
 --------

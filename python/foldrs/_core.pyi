@@ -1,7 +1,7 @@
 """The compiled module: thin bindings of the Rust crate.
 
-Outlines are (n, 2) float64 arrays of points in order, closed implicitly, in any units. An axis is a (2, 2) array
-of two points; its left is the side towards which the direction x turns to y.
+Outlines are (n, 2) float64 arrays of points in order, closed implicitly, in any units. An axis is a (2, 2)
+array of two points; its left is the side towards which the direction x turns to y.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ def signed_area(points: _Points) -> float:
     """Area, positive if the points run from the x axis towards the y axis."""
 
 def nearest_on_outline(points: _Points, query: _Points) -> tuple[_Points, _Points, _Points]:
-    """Return for k query points the (k, 2) nearest points of the outline, their distances and their arc lengths."""
+    """Return for k query points the (k, 2) nearest points of the outline, their distances and arc lengths."""
 
 def points_at(points: _Points, arc: _Points) -> _Points:
     """Points (k, 2) of the outline at k arc lengths from its first vertex."""
@@ -144,7 +144,7 @@ class Explanation:
         """Index of every folded point's partner among the seen points; -1 for none."""
     @property
     def to_seen(self) -> _Points:
-        """The (2, 3) similarity of the folded template onto the seen outline; reflecting for the other face."""
+        """The (2, 3) similarity of the folded template onto the seen outline; reflects for the other face."""
     @property
     def crease(self) -> _Points:
         """The crease (2, 2) on the seen outline."""
@@ -180,7 +180,7 @@ class JointExplanation:
         """Crease (2, 2) on the seen outline; the flap was on its left."""
     @property
     def to_seen(self) -> _Points:
-        """The (2, 3) similarity of the fitted template onto the seen outline; reflecting for the other face."""
+        """The (2, 3) similarity of the fitted template onto the seen outline; reflects for the other face."""
     @property
     def surprise(self) -> float:
         """Minus log evidence in nats; comparable between templates."""
@@ -193,6 +193,6 @@ def fit_jointly(
 ) -> tuple[list[JointExplanation], float]:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
-    Also returns the surprise of the best one's template unfolded. The fits start from what partial matching claims about the axis. `scale` is the number of seen units a template
-    unit, if known.
+    Also returns the surprise of the best one's template unfolded. The fits start from what partial matching
+    claims about the axis. `scale` is the number of seen units a template unit, if known.
     """

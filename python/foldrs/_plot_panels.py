@@ -147,17 +147,9 @@ def legend_entries(result: FitResult, with_sides: bool) -> list[Any]:
     if is_fitted(result):
         entries.append(Line2D([], [], color=FAINT, linewidth=1.5, label="template as given"))
     if result.grasp_pairs:
-        ring = {"linestyle": "none", "marker": "o", "markersize": 11, "markerfacecolor": "none"}
-        entries.append(
-            Line2D(
-                [],
-                [],
-                color=GRASP,
-                markeredgewidth=3,
-                label="best grasp pair, unfolding",
-                **ring,
-            )
-        )
+        ring = {**marker(False), "color": GRASP, "markersize": 11, "markeredgewidth": 3}
+        ring["markerfacecolor"] = "none"
+        entries.append(Line2D([], [], label="best grasp pair, unfolding", **ring))
     if with_sides:
         entries.append(Line2D([], [], color="black", linewidth=1, marker="|", label="candidate crease"))
     return entries

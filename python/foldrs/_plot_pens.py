@@ -96,29 +96,23 @@ def dimension(ax: Axes, segment: Points) -> None:
 def dot(ax: Axes, point: Points, *, filled: bool, size: float = 7) -> None:
     """Mark a point by a filled or hollow dot."""
     face, edge = ("black", "white") if filled else ("white", "black")
-    ax.plot(
-        *point,
-        "o",
-        markersize=size,
-        markerfacecolor=face,
-        markeredgecolor=edge,
-        markeredgewidth=1.3,
-        zorder=7,
-    )
+    look: dict[str, Any] = {"markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": 1.3}
+    ax.plot(*point, "o", markersize=size, zorder=7, **look)
 
 
 def rings(ax: Axes, points: Points, colour: str) -> None:
     """Ring points."""
     for shade, width in (("white", 6), (colour, 3.5)):
-        look = {"markerfacecolor": "none", "markeredgecolor": shade, "markeredgewidth": width, "zorder": 6}
-        ax.plot(*points.T, "o", markersize=RING, **look)
+        look: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": shade, "markeredgewidth": width}
+        ax.plot(*points.T, "o", markersize=RING, zorder=6, **look)
 
 
 def arrow(ax: Axes, start: Points, end: Points, colour: str) -> None:
     """Draw an arrow."""
-    look = {"arrowstyle": "-|>,head_length=0.7,head_width=0.35", "color": colour, "linewidth": 2.2}
-    look["path_effects"] = outlined(4.5, "white")
-    ax.annotate("", xy=end, xytext=start, arrowprops=look, zorder=5)
+    look: dict[str, Any] = {"arrowstyle": "-|>,head_length=0.7,head_width=0.35", "color": colour}
+    look |= {"linewidth": 2.2, "path_effects": outlined(4.5, "white")}
+    tip, tail = (float(end[0]), float(end[1])), (float(start[0]), float(start[1]))
+    ax.annotate("", xy=tip, xytext=tail, arrowprops=look, zorder=5)
 
 
 def names(ax: Axes, points: Mapping[str, Points], keep_clear: Points, ringed: Collection[str] = ()) -> None:
@@ -134,14 +128,16 @@ def names(ax: Axes, points: Mapping[str, Points], keep_clear: Points, ringed: Co
     circle = RING * dpi / 72 / 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     circles = [anchor + circle for anchor, name in zip(anchors, points, strict=True) if name in ringed]
     obstacles = np.vstack([ax.transData.transform(keep_clear), *circles])
-    centres = place_labels(anchors, sizes, obstacles, ax.bbox.min, ax.bbox.max)
+    centres = place_labels(anchors, sizes, obstacles, np.array(ax.bbox.min), np.array(ax.bbox.max))
 
     to_data = ax.transData.inverted().transform
     for name, text, anchor, centre, size in zip(points, texts, anchors, centres, sizes, strict=True):
         nearest = np.clip(anchor, centre - size / 2, centre + size / 2)
         line(ax, to_data([anchor, nearest]), "black", 0.8, halo="white", zorder=6)
-        look = {"weight": "bold" if name in ringed else "normal", "bbox": NAME_LOOK, "fontsize": NAME_SIZE}
-        ax.text(*to_data(centre), text, ha="center", va="center", zorder=9, parse_math=False, **look)
+        x, y = to_data(centre)
+        weight = "bold" if name in ringed else "normal"
+        look: dict[str, Any] = {"fontsize": NAME_SIZE, "weight": weight, "bbox": NAME_LOOK}
+        ax.text(x, y, text, ha="center", va="center", zorder=9, parse_math=False, **look)
 
 
 def short_name(name: str) -> str:

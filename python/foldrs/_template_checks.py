@@ -16,7 +16,7 @@ from foldrs._template_fields import Pairs, field_error, shown
 
 LANDMARK_TOLERANCE = 0.05
 """How far off the outline a landmark may be given, as a share of the square root of the area: 3 cm on a shirt
-of 60 x 60 cm. Corners marked by hand on a garment with a rounded hem lie that far off, a wrong point farther."""
+of 60 x 60 cm. Corners marked by hand on a garment with a rounded hem lie that far off, wrong ones farther."""
 
 _ROUNDING = 1e-9
 """Distance, in the same measure, that is rounding only: such a landmark is kept exactly as given."""

@@ -1,7 +1,7 @@
 """Distinct explanations and how probable each is.
 
-Two explanations are the same if they predict the same in the image: the same crease, and the same garment when
-unfolded (or its mirror image over the crease: which part was turned over which cannot be told). So the mirror
+Two explanations are the same if they predict the same in the image: the same crease, and the same garment
+when unfolded (or its mirror image over the crease: which part was turned over cannot be told). So the mirror
 twins of a symmetric template count once, whatever its symmetry.
 """
 
@@ -18,7 +18,7 @@ from foldrs.result import Alternative
 
 
 def distinct(explanations: Sequence[Explanation], parameters: AlternativeParameters) -> list[Explanation]:
-    """The cheapest of every group of like explanations, in the order given (cheapest first)."""
+    """Keep the cheapest of every group of like explanations, in the order given (cheapest first)."""
     kept: list[Explanation] = []
     for one in explanations:
         if len(kept) == parameters.most:
@@ -40,8 +40,10 @@ def alike(one: Explanation, other: Explanation, parameters: AlternativeParameter
     return max(_core.outline_iou(a, b), _core.outline_iou(a, twin)) >= parameters.same_overlap
 
 
-def with_probabilities(explanations: Sequence[Explanation], parameters: AlternativeParameters) -> tuple[Alternative, ...]:
-    """The explanations with probabilities that fall exponentially with cost and sum to 1."""
+def with_probabilities(
+    explanations: Sequence[Explanation], parameters: AlternativeParameters
+) -> tuple[Alternative, ...]:
+    """Give every explanation a probability that falls exponentially with its cost; they sum to 1."""
     cost = np.array([e.cost for e in explanations])
     weight = np.exp(-(cost - cost.min()) / parameters.temperature)
     return tuple(

@@ -47,7 +47,9 @@ class FitJob:
         """Fit one image and write its files."""
         from foldrs.pipeline import fit
 
-        result = fit(image, templates=self.templates, px_per_cm=self.px_per_cm, method=self.method, mask=self.mask)
+        result = fit(
+            image, templates=self.templates, px_per_cm=self.px_per_cm, method=self.method, mask=self.mask
+        )
         if self.out is not None:
             if self.plot:
                 from foldrs.plot import save_picture
@@ -69,8 +71,12 @@ class FitJob:
 )
 @click.option("--px-per-cm", type=float, help="Known scale; without it the scale is found.")
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
-@click.option("--mask", type=click.Path(path_type=Path), help="The garment's mask (image file) for a single IMAGE.")
-@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for STEM.json (and STEM.png).")
+@click.option(
+    "--mask", type=click.Path(path_type=Path), help="The garment's mask (image file) for a single IMAGE."
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for STEM.json (and STEM.png)."
+)
 @click.option("--plot", is_flag=True, help="Also write the picture of the result to --out.")
 @click.option("--jobs", type=click.IntRange(1), help="Images and hypotheses at a time; default: all cores.")
 def fit_command(
@@ -115,7 +121,9 @@ def fit_command(
         sys.exit(1)
 
 
-def _run_all(job: FitJob, images: tuple[Path, ...], jobs: int | None) -> Iterator[tuple[Path, FitResult | FoldrsError]]:
+def _run_all(
+    job: FitJob, images: tuple[Path, ...], jobs: int | None
+) -> Iterator[tuple[Path, FitResult | FoldrsError]]:
     """Results in the order they are ready, with a progress bar if there are several and a terminal to see it."""
     from rich.console import Console
     from rich.progress import track
@@ -127,7 +135,9 @@ def _run_all(job: FitJob, images: tuple[Path, ...], jobs: int | None) -> Iterato
         running = {pool.submit(job.run, image): image for image in images}
         console = Console(stderr=True)
         quiet = len(images) == 1 or not console.is_terminal
-        for done in track(as_completed(running), "fitting", total=len(images), console=console, disable=quiet):
+        for done in track(
+            as_completed(running), "fitting", total=len(images), console=console, disable=quiet
+        ):
             error = done.exception()
             if error is not None and not isinstance(error, FoldrsError):
                 raise error
@@ -148,7 +158,11 @@ def template_group() -> None:
 
 @template_group.command("show")
 @click.argument("template", metavar="FILE")
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Picture to write; default: FILE's stem .png")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Picture to write; default: FILE's stem .png",
+)
 def show_command(template: str, out: Path | None) -> None:
     """Draw a template FILE (or a built-in KIND) with its landmarks and grasp pairs."""
     from foldrs.template import builtin_templates, load_template

@@ -1,4 +1,4 @@
-"""An explanation of an outline: a template, how it was changed, its fold axis, and where it lies in the image."""
+"""An explanation of an outline: a template, how it was changed, its fold axis, where it lies in the image."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from foldrs.result import Fold, FittedTemplate
+from foldrs import _core
+from foldrs.result import FittedTemplate, Fold
 from foldrs.template import Template
 
 Points = NDArray[np.float64]
@@ -33,6 +34,9 @@ class Explanation:
     """Cost found by the matching stage on the template as given."""
     unfolded_cost: float
     """Cost of the same template unfolded."""
+    placed: Points | None = None
+    """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie where
+    `to_image` puts them."""
 
     @property
     def accepted(self) -> bool:
@@ -42,7 +46,16 @@ class Explanation:
     @property
     def outline_image(self) -> Points:
         """(n, 2) px: the fitted template unfolded, its kept part where it lies."""
-        return apply(self.to_image, self.fitted.outline)
+        return apply(self.to_image, self.fitted.outline) if self.placed is None else self.placed
+
+    @property
+    def folds(self) -> bool:
+        """Whether the crease folds the template where it lies; a poor map may carry it off."""
+        try:
+            _core.fold_layers(self.outline_image, self.crease)
+        except ValueError:
+            return False
+        return True
 
     @property
     def fold(self) -> Fold:
@@ -52,11 +65,12 @@ class Explanation:
 
 def apply(plane_map: Points, points: Points) -> Points:
     """Apply a (2, 3) map to (n, 2) points."""
-    return points @ plane_map[:, :2].T + plane_map[:, 2]
+    mapped: Points = points @ plane_map[:, :2].T + plane_map[:, 2]
+    return mapped
 
 
 def directed_crease(crease: Points, axis: Points, to_image: Points) -> Points:
-    """The crease in the direction that has the flap on its left, as `axis` has it on the template."""
+    """Direct the crease so that it has the flap on its left, as `axis` has it on the template."""
     mapped = apply(to_image, axis)
     same = float(np.dot(crease[1] - crease[0], mapped[1] - mapped[0])) > 0
     reflects = float(np.linalg.det(to_image[:, :2])) < 0

@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from foldrs import _core
 from foldrs.alternatives import alike
 from foldrs.explanation import Explanation, directed_crease
+from foldrs.landmark import carried
 from foldrs.parameters import AlternativeParameters, FittingParameters
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
-from foldrs.template_update import Points, TemplateUpdate, carried, update_template
+from foldrs.template_update import Points, TemplateUpdate, update_template
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +41,22 @@ class IterativeFit:
     """The template as given, then that of every pass."""
 
     @property
+    def cheapest(self) -> FitStage:
+        """The stage of the cheapest match, the earliest of equals."""
+        return min(self.stages, key=lambda stage: stage.explanation.cost)
+
+    @property
     def explanation(self) -> Explanation:
-        """The cheapest match of all passes, the earliest of equals."""
-        return min((stage.explanation for stage in self.stages), key=lambda e: e.cost)
+        """The cheapest match, placed in the image as its registration has it (section 2.2.1)."""
+        stage = self.cheapest
+        if stage.update is None:
+            return stage.explanation
+        told = stage.explanation
+        # Where the garment shows its other face, the registration's frame has x the other way round.
+        way = np.array([-1.0 if np.linalg.det(told.to_image[:, :2]) < 0 else 1.0, 1.0])
+        crease = directed_crease(stage.update.fold.axis * way, told.fitted.axis, told.to_image)
+        placed = replace(told, placed=stage.update.corners * way, crease=crease)
+        return placed if placed.folds else told
 
 
 def fit_iteratively(
@@ -75,7 +91,10 @@ def fit_iteratively(
     moving = courses
     for _ in range(parameters.iterations):
         moving = iteration.advance(moving)
-    fits = [IterativeFit(tuple(course)) for course in courses]
+    for course in courses:
+        # The cheapest stage is placed by its registration: the last one has none yet.
+        course[-1] = replace(course[-1], update=course[-1].update or iteration.update(course[-1]))
+    fits = [fit for fit in map(IterativeFit, map(tuple, courses)) if fit.explanation.folds]
     return sorted(fits, key=lambda fit: fit.explanation.cost)  # stable: equals keep their order
 
 

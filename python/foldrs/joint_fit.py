@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from foldrs import _core
 from foldrs.explanation import Explanation
+from foldrs.landmark import carried
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
 
@@ -26,7 +26,7 @@ def fit_jointly(
             template=templates[fit.template],
             original_axis=fit.original_axis,
             fitted=FittedTemplate(
-                fit.outline, carried_landmarks(templates[fit.template], fit.outline), fit.axis
+                fit.outline, carried(templates[fit.template].landmarks, templates[fit.template].outline, fit.outline), fit.axis
             ),
             to_image=fit.to_seen,
             crease=fit.crease,
@@ -39,20 +39,8 @@ def fit_jointly(
 
 
 def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _core.FlexibleTemplate:
-    """The template prepared for the crate, with the mirror pairs among its landmarks."""
+    """Prepare a template for the crate, with the mirror pairs among its landmarks."""
     marks = template.landmarks
     one = np.array([marks[a] for a, _ in template.symmetry]).reshape(-1, 2)
     other = np.array([marks[b] for _, b in template.symmetry]).reshape(-1, 2)
     return _core.FlexibleTemplate(template.outline, one, other, parameters)
-
-
-def carried_landmarks(template: Template, outline: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-    """The template's landmarks on an outline whose corners are the template's, moved."""
-    _, _, arc = _core.nearest_on_outline(template.outline, template.landmark_array)
-    ring = np.vstack([template.outline, template.outline[:1]])
-    corner_arc = np.r_[0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T))]
-    edge = np.clip(np.searchsorted(corner_arc, arc, side="right") - 1, 0, len(outline) - 1)
-    share = ((arc - corner_arc[edge]) / (corner_arc[edge + 1] - corner_arc[edge]))[:, None]
-    moved = np.vstack([outline, outline[:1]])
-    points = moved[edge] * (1 - share) + moved[edge + 1] * share
-    return dict(zip(template.landmarks, points, strict=True))

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldrs import _core
-from foldrs.explanation import Explanation, apply
+from foldrs.explanation import Explanation
+from foldrs.landmark import carried
 from foldrs.parameters import GraspParameters
 from foldrs.result import GraspPair, LandmarkInImage
 
@@ -48,8 +49,9 @@ class FoldedModel:
 
         Accessible: on the folded outline, and no double layer within a radius.
         """
-        names = list(self.explanation.fitted.landmarks)
-        unfolded = apply(self.explanation.to_image, np.array([self.explanation.fitted.landmarks[n] for n in names]))
+        fitted = self.explanation.fitted
+        marks = carried(fitted.landmarks, fitted.outline, self.unfolded_outline)
+        names, unfolded = list(marks), np.array(list(marks.values()))
         _, _, arc = _core.nearest_on_outline(self.unfolded_outline, unfolded)
         turned = self.layers.is_turned(arc)
         now = np.where(turned[:, None], _core.reflect(unfolded, self.explanation.crease), unfolded)
@@ -60,7 +62,7 @@ class FoldedModel:
         return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, clear & visible, strict=True)}
 
     def _on_seen_outline(self, points: Points) -> Points:
-        """Points of the model's outline moved onto the seen one: to a corner of it near by, else straight to it."""
+        """Points of the model's outline moved onto the seen one: to a corner near by, else straight to it."""
         unit = float(np.sqrt(abs(_core.signed_area(self.seen_outline))))
         corners = _core.simplify(self.seen_outline, self.parameters.corner_tolerance * unit)
         apart = np.linalg.norm(points[:, None] - corners[None], axis=2)

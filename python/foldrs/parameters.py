@@ -80,14 +80,14 @@ class SideParameters:
     """Stage 0: sides of the simplified outline, the candidate creases (section 2.1)."""
 
     tolerances: tuple[float, ...] = (0.02,)
-    """Douglas-Peucker tolerances, as shares of the square root of the outline's area. The axis is one side at 1 to
-    2 % in 99 % of virtual folds of real outlines; the sides of all tolerances are candidates."""
+    """Douglas-Peucker tolerances, as shares of the square root of the outline's area. The axis is one side at
+    1 to 2 % in 99 % of virtual folds of real outlines; the sides of all tolerances are candidates."""
     shortest: float = 0.08
     """Sides shorter than this share of the square root of the area are no candidates: so short a fold hardly
     changes the garment."""
     in_line: float = 0.03
-    """Two sides whose ends lie this near to one line, as a share of the square root of the area, may be one crease
-    (a fold over two legs)."""
+    """Two sides whose ends lie this near to one line, as a share of the square root of the area, may be one
+    crease (a fold over two legs)."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class PartialMatchParameters:
     points: int = 100
     """Points on the seen outline; the template gets as many as the same spacing gives. 100 resolve a cuff."""
     delta: int = 5
-    """Points between a corner and the third point of its chord angle, as in all experiments of its authors."""
+    """Points between a corner and the third point of its chord angle, as in all its authors' experiments."""
     shortest: int = 14
     """Points of the shortest piece: must exceed `delta`; below some 12 nearly anything matches."""
     longest: float = 0.8
@@ -122,15 +122,15 @@ class HypothesisParameters:
     """Stage 2: hypotheses about the fold axis and their aggregation (section 2.1.2)."""
 
     affine_spread: float = 0.15
-    """Share of a piece's extent that it must spread across its main direction for an affine map; a straighter piece
-    leaves the affine map undetermined and gets a similarity."""
+    """Share of a piece's extent that it must spread across its main direction for an affine map; a straighter
+    piece leaves the affine map undetermined and gets a similarity."""
     stretch: float = 1.6
     """Largest factor by which a map may stretch or shrink beyond the expected scale."""
     angle_bins: int = 36
     """Bins over the half circle of axis directions: 5 degrees, the spread of one axis's claims."""
     distance_bin: float = 0.03
-    """Width of the bins over the axis's distance from the template's centre, as a share of the square root of its
-    area: some 1.5 cm."""
+    """Width of the bins over the axis's distance from the template's centre, as a share of the square root of
+    its area: some 1.5 cm."""
     most: int = 200
     """At most this many hypotheses a template are tested, the most confident first."""
 
@@ -161,8 +161,8 @@ class AlignmentParameters:
 class JointFitParameters:
     """Joint fit of corners and crease (beyond the paper).
 
-    Lengths are in template units (cm for the built-in templates) unless they say otherwise; "of the size" means as
-    a share of the square root of the template's area.
+    Lengths are in template units (cm for the built-in templates) unless they say otherwise; "of the size"
+    means as a share of the square root of the template's area.
     """
 
     samples: int = 100
@@ -172,10 +172,10 @@ class JointFitParameters:
     simplify: float = 0.01
     """Tolerance of the template's simplification, of the size: finer detail moves along."""
     shape: float = 0.1
-    """Spread of a corner about the template's, of the size. Real garments of a kind differ from their mean by 8 %
-    (3 to 6 cm) a corner."""
+    """Spread of a corner about the template's, of the size. Real garments of a kind differ from their mean by
+    8 % (3 to 6 cm) a corner."""
     edge: float = 0.25
-    """Spread of the difference between neighbouring corners' displacements, as a share of their edge's length ..."""
+    """Spread of the difference between neighbouring corners' displacements, as a share of their edge ..."""
     edge_floor: float = 0.02
     """... and this besides, of the size: short edges bend less than long ones."""
     asymmetry: float = 0.05
@@ -287,12 +287,12 @@ class GraspParameters:
     on_outline: float = 1.0
     """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
     snap: float = 3.0
-    """Template units (cm): a landmark on the model's outline is moved to the seen one if that is this near; straight
-    edges overshoot rounded corners."""
+    """Template units (cm): a landmark on the model's outline is moved to the seen one if that is this near;
+    straight edges overshoot rounded corners."""
     snap_corner: float = 2.0
     """Template units (cm): a corner of the seen outline this near is preferred; landmarks are corners."""
     corner_tolerance: float = 0.02
-    """Tolerance of the simplification whose corners count, as a share of the square root of the outline's area."""
+    """Tolerance of the simplification whose corners count, as a share of the square root of the area."""
 
 
 @dataclass(frozen=True)

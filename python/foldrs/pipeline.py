@@ -17,8 +17,8 @@ from foldrs import _core
 from foldrs.alternatives import distinct, with_probabilities
 from foldrs.errors import NoHypothesisError, ParameterError
 from foldrs.explanation import Explanation
+from foldrs.fitting import fit_iteratively
 from foldrs.joint_fit import fit_jointly
-from foldrs.matching import match
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import Parameters
@@ -78,7 +78,8 @@ def fit(
     segmented = time.perf_counter()
 
     if method == "paper":
-        explanations = match(seen, chosen, px_per_cm, parameters.alternatives.candidates)
+        fits = fit_iteratively(seen, chosen, px_per_cm, parameters.fitting, parameters.alternatives)
+        explanations = [one.explanation for one in fits]
     else:
         explanations = fit_jointly(seen, chosen, px_per_cm, asdict(parameters.matching))
     if not explanations:
@@ -108,7 +109,7 @@ def result_of(
     timings: dict[str, float],
     start: float,
 ) -> FitResult:
-    """The result for distinct explanations, the chosen one first."""
+    """Build the result from distinct explanations, the chosen one first."""
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
     model = FoldedModel(best, px_per_unit, parameters.grasp, outline)
@@ -132,7 +133,7 @@ def result_of(
 
 
 def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:
-    """The templates that compete: the given or built-in ones, of one kind if a kind is given."""
+    """Choose the templates that compete: the given or built-in ones, of one kind if a kind is given."""
     if templates is None:
         return list(builtin_templates(garment_type))
     loaded = [t if isinstance(t, Template) else load_template(t) for t in templates]

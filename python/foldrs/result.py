@@ -22,7 +22,7 @@ SCHEMA = 1
 
 Points = NDArray[np.float64]
 
-# The mask can only be read by setting it, which no two threads may do at once: read it when the module is loaded.
+# The mask can only be read by setting it, which no two threads may do at once: read it on loading.
 _UMASK = os.umask(0o022)
 os.umask(_UMASK)
 
@@ -82,8 +82,8 @@ class Alternative:
 class FitResult:
     """A folded garment explained.
 
-    `original_template` holds the axis the matching stage found on the template as given, `template` the fitted
-    template with its axis.
+    `original_template` holds the axis the matching stage found on the template as given, `template` the
+    fitted template with its axis.
     """
 
     garment_type: str
@@ -117,7 +117,7 @@ class FitResult:
         return self.folds[-1]
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain numbers, lists and dictionaries: the JSON form."""
+        """Return the result as plain numbers, lists and dictionaries: the JSON form."""
         return {
             "schema": SCHEMA,
             "image": self.image,
@@ -129,7 +129,8 @@ class FitResult:
             "outline_image": _plain(self.outline_image),
             "fold": {"axis_image": _plain(self.fold.axis_image)},
             "folds": [
-                {"axis_image": _plain(f.axis_image), "axis_template": _plain(f.axis_template)} for f in self.folds
+                {"axis_image": _plain(f.axis_image), "axis_template": _plain(f.axis_template)}
+                for f in self.folds
             ],
             "original_template": _template(self.original_template),
             "template": _template(self.template),
@@ -138,7 +139,9 @@ class FitResult:
                 name: {"image": _plain(mark.image), "accessible": mark.accessible}
                 for name, mark in self.landmarks.items()
             },
-            "grasp_pairs": [{"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs],
+            "grasp_pairs": [
+                {"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs
+            ],
             "alternatives": [
                 {
                     "garment_type": a.garment_type,

@@ -98,16 +98,3 @@ def in_template_units(corners: Points, outline: Points, px_per_unit: float | Non
     middle = upright.mean(axis=0)
     scaled: Points = middle + (upright - middle) / stretch
     return scaled
-
-
-def carried(landmarks: Mapping[str, Points], outline: Points, moved: Points) -> dict[str, Points]:
-    """Landmarks carried along with the outline's corners, each at its share of its edge."""
-    if not landmarks:
-        return {}
-    edges = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
-    ends = np.cumsum(edges)
-    _, _, arc = _core.nearest_on_outline(outline, np.array(list(landmarks.values())))
-    edge = np.minimum(np.searchsorted(ends, arc, side="right"), len(outline) - 1)
-    share = np.clip(1.0 - (ends[edge] - arc) / edges[edge], 0.0, 1.0)[:, None]
-    points = moved[edge] * (1.0 - share) + moved[(edge + 1) % len(moved)] * share
-    return dict(zip(landmarks, points, strict=True))

@@ -135,7 +135,7 @@ fn alternate(crossings: &mut [Crossing]) -> Result<(), FoldError> {
             crossings.swap(i, i + 1 + other);
         }
     }
-    if crossings.len() % 2 == 0 {
+    if crossings.len().is_multiple_of(2) {
         Ok(())
     } else {
         Err(FoldError::Tangled)

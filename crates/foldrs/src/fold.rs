@@ -178,7 +178,8 @@ pub fn fold(outline: &Outline, axis: &Segment) -> Result<Folded, FoldError> {
     let (kept, flap) = cut(outline, &axis, &chords);
     let flap: Vec<Piece> = flap.into_iter().map(|p| p.turned(&axis)).collect();
     let smallest = 1e-9 * outline.signed_area().abs();
-    if !(flap.iter().map(|p| signed_area(&p.points).abs()).sum::<f64>() > smallest) {
+    let turned: f64 = flap.iter().map(|p| signed_area(&p.points).abs()).sum();
+    if turned.is_nan() || turned <= smallest {
         return Err(FoldError::EmptyFlap);
     }
     let (union, holes, apart) =

@@ -177,6 +177,9 @@ fn map_piece(
     PlaneMap::similarity(from, to, None).filter(fits)
 }
 
+/// Hypotheses by the bin (direction, distance) of their axes.
+type Image = BTreeMap<(i64, i64), Vec<usize>>;
+
 /// Merges like hypotheses of the same side and face; the most confident first.
 ///
 /// Axes are points of an image over direction and distance from the template's centre. The image closes on itself:
@@ -190,7 +193,7 @@ pub fn aggregate(
     let centre = template.centroid();
     let width = parameters.distance_bin * template.signed_area().abs().sqrt();
     let bins = parameters.angle_bins as i64;
-    let mut images: BTreeMap<(Face, usize), BTreeMap<(i64, i64), Vec<usize>>> = BTreeMap::new();
+    let mut images: BTreeMap<(Face, usize), Image> = BTreeMap::new();
     for (k, h) in found.iter().enumerate() {
         let d = h.axis[1] - h.axis[0];
         let mut angle = d.y.atan2(d.x);
@@ -218,7 +221,7 @@ pub fn aggregate(
 }
 
 /// Members of the 8-connected components of occupied bins.
-fn components(mut image: BTreeMap<(i64, i64), Vec<usize>>, bins: i64) -> Vec<Vec<usize>> {
+fn components(mut image: Image, bins: i64) -> Vec<Vec<usize>> {
     let mut all = Vec::new();
     while let Some((bin, members)) = image.pop_first() {
         let mut component = members;

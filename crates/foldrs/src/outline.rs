@@ -62,8 +62,9 @@ impl Outline {
         let arc = arc_lengths(&points);
         let outline = Self { points, arc };
         let extent = outline.length();
-        // Below this the area is rounding noise of the coordinates.
-        if !(outline.signed_area().abs() > 1e-12 * extent * extent) {
+        let area = outline.signed_area().abs();
+        // Below this the area is rounding noise of the coordinates; beyond all numbers it is none.
+        if area.is_nan() || area <= 1e-12 * extent * extent {
             return Err(OutlineError::NoArea);
         }
         Ok(outline)

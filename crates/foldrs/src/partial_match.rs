@@ -213,8 +213,9 @@ impl LengthWeights {
     /// The length of greatest affinity, if it reaches the threshold.
     fn best(&self, sums: &[f32], start: usize, template_start: usize) -> PartialMatch {
         let (mut length, mut log) = (0, self.floor);
-        for l in self.shortest..sums.len() {
-            let a = self.weight[l] - sums[l] * self.likeness[l];
+        let lengths = sums.iter().zip(&self.weight).zip(&self.likeness).enumerate();
+        for (l, ((sum, weight), likeness)) in lengths.skip(self.shortest) {
+            let a = weight - sum * likeness;
             if a > log {
                 (length, log) = (l, a);
             }

@@ -50,7 +50,7 @@ impl PlaneMap {
     pub fn similarity(from: &[Point], to: &[Point], weights: Option<&[f64]>) -> Option<Self> {
         let moments = Moments::new(from, to, weights)?;
         let spread = moments.spread.trace();
-        if !(spread > 0.0) {
+        if spread.is_nan() || spread <= 0.0 {
             return None;
         }
         let c = &moments.cross; // sum of w * to * from^T
@@ -95,7 +95,7 @@ impl Moments {
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let count = from.len().min(to.len());
         let total: f64 = (0..count).map(weight).sum();
-        if !(total > 0.0) {
+        if total.is_nan() || total <= 0.0 {
             return None;
         }
         let mean = |points: &[Point]| {
