@@ -22,7 +22,15 @@ from foldrs import _plot_panels as panels
 from foldrs._plot_labels import place_labels
 from foldrs.errors import ImageNotFoundError, NotAnImageError
 from foldrs.plot import MatchingDetails, draw_result, save_picture
-from foldrs.result import Alternative, FitResult, FittedTemplate, Fold, GraspPair, LandmarkInImage
+from foldrs.result import (
+    Alternative,
+    FitResult,
+    FittedTemplate,
+    Fold,
+    GraspPair,
+    LandmarkInImage,
+    UnfoldingAction,
+)
 from foldrs.template import builtin_templates
 
 Points = NDArray[np.float64]
@@ -65,6 +73,7 @@ def exact_result(kind: str = "pants") -> FitResult:
         unfolded_outline_image=unfolded,
         landmarks=landmarks,
         grasp_pairs=tuple(pairs),
+        unfolding=UnfoldingAction(two_arms=None, one_arm=None),
         alternatives=tuple(Alternative(kind, p, fold, template) for p in (0.7, 0.2, 0.004)),
         image="pants-on-table.jpg",
         seconds=0.4,

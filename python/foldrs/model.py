@@ -17,7 +17,7 @@ from foldrs import _core
 from foldrs.explanation import Explanation
 from foldrs.landmark import carried
 from foldrs.parameters import GraspParameters
-from foldrs.result import GraspPair, LandmarkInImage
+from foldrs.result import GraspMove, GraspPair, LandmarkInImage, UnfoldingAction
 
 Points = NDArray[np.float64]
 
@@ -81,3 +81,25 @@ class FoldedModel:
             for a, b in self.explanation.template.grasp_pairs
             if marks[a].accessible and marks[b].accessible
         )
+
+    @cached_property
+    def unfolding(self) -> UnfoldingAction:
+        """Undoing the fold: every point picked goes to its mirror image over the crease."""
+        pair = self.grasp_pairs[0].landmarks if self.grasp_pairs else None
+        reachable = [name for name, mark in self.landmarks.items() if mark.accessible]
+        farthest = max(reachable, key=self._reach, default=None)
+        return UnfoldingAction(
+            two_arms=None if pair is None else (self._move(pair[0]), self._move(pair[1])),
+            one_arm=None if farthest is None else self._move(farthest),
+        )
+
+    def _move(self, name: str) -> GraspMove:
+        pick = self.landmarks[name].image
+        place = _core.reflect(pick[None], self.explanation.crease)[0]
+        clearance = float(self.layers.distance_to_double_layer(pick[None])[0]) / self.px_per_unit
+        return GraspMove(name, pick, place, clearance)
+
+    def _reach(self, name: str) -> float:
+        """Distance of a landmark from the crease's line, px."""
+        pick = self.landmarks[name].image
+        return float(np.linalg.norm(_core.reflect(pick[None], self.explanation.crease)[0] - pick)) / 2.0

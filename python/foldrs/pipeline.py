@@ -125,6 +125,7 @@ def result_of(
         unfolded_outline_image=model.unfolded_outline,
         landmarks=model.landmarks,
         grasp_pairs=model.grasp_pairs,
+        unfolding=model.unfolding,
         alternatives=with_probabilities(explanations, parameters.alternatives),
         image=image,
         seconds=time.perf_counter() - start,

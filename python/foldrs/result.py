@@ -7,6 +7,7 @@ are in the template's own units (centimetres for the built-in ones). Outlines ar
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -69,6 +70,30 @@ class GraspPair:
 
 
 @dataclass(frozen=True, eq=False)
+class GraspMove:
+    """Where to pick one point of the garment, and where to put it down to undo the fold."""
+
+    landmark: str
+    pick: Points
+    """(2,) px."""
+    place: Points
+    """(2,) px: the mirror image of `pick` over the crease."""
+    clearance: float
+    """Distance of `pick` from the nearest double layer, template units; infinite if there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnfoldingAction:
+    """How to undo the last fold: with two arms, and with one."""
+
+    two_arms: tuple[GraspMove, GraspMove] | None
+    """The moves of the best grasp pair; None if no pair is accessible."""
+    one_arm: GraspMove | None
+    """The move of the accessible landmark farthest from the crease, which turns the most cloth; None if no landmark
+    is accessible."""
+
+
+@dataclass(frozen=True, eq=False)
 class Alternative:
     """One of the distinct explanations of the outline."""
 
@@ -102,6 +127,8 @@ class FitResult:
     landmarks: Mapping[str, LandmarkInImage]
     grasp_pairs: tuple[GraspPair, ...]
     """Accessible pairs, best first."""
+    unfolding: UnfoldingAction
+    """How to undo the last fold."""
     alternatives: tuple[Alternative, ...]
     """Distinct explanations, the chosen one first; probabilities sum to at most 1."""
     image: str = ""
@@ -142,6 +169,12 @@ class FitResult:
             "grasp_pairs": [
                 {"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs
             ],
+            "unfolding": {
+                "two_arms": None
+                if self.unfolding.two_arms is None
+                else [_move(move) for move in self.unfolding.two_arms],
+                "one_arm": None if self.unfolding.one_arm is None else _move(self.unfolding.one_arm),
+            },
             "alternatives": [
                 {
                     "garment_type": a.garment_type,
@@ -176,6 +209,15 @@ def write_whole(path: Path, content: bytes) -> None:
 def _plain(points: Points) -> list[Any]:
     rounded: list[Any] = np.round(points, 4).tolist()
     return rounded
+
+
+def _move(move: GraspMove) -> dict[str, Any]:
+    return {
+        "landmark": move.landmark,
+        "pick": _plain(move.pick),
+        "place": _plain(move.place),
+        "clearance": round(move.clearance, 4) if math.isfinite(move.clearance) else None,
+    }
 
 
 def _template(template: FittedTemplate) -> dict[str, Any]:
