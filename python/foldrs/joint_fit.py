@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from foldrs import _core
-from foldrs.explanation import Explanation
+from foldrs.explanation import Explanation, Points
 from foldrs.landmark import carried
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
@@ -24,7 +24,7 @@ def fit_jointly(
     return [
         Explanation(
             template=templates[fit.template],
-            original_axis=fit.original_axis,
+            original_axis=axis_on(templates[fit.template].outline, fit),
             fitted=FittedTemplate(
                 fit.outline, carried(templates[fit.template].landmarks, templates[fit.template].outline, fit.outline), fit.axis
             ),
@@ -44,3 +44,9 @@ def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _cor
     one = np.array([marks[a] for a, _ in template.symmetry]).reshape(-1, 2)
     other = np.array([marks[b] for _, b in template.symmetry]).reshape(-1, 2)
     return _core.FlexibleTemplate(template.outline, one, other, parameters)
+
+
+def axis_on(outline: Points, fit: _core.JointExplanation) -> Points:
+    """The fitted axis on the template as given: its ends at the same shares of the same edges."""
+    ends = carried({"first": fit.axis[0], "last": fit.axis[1]}, fit.outline, outline)
+    return np.array([ends["first"], ends["last"]])

@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from ._mending import simple_outline
 from .errors import (
     GarmentCutOffError,
     GarmentCutOffWarning,
@@ -83,7 +84,7 @@ def find_outline(
     NoGarmentError, SeveralGarmentsError, GarmentTooSmallError, GarmentCutOffError
         No usable outline in the picture or mask.
     InvalidOutlineError
-        The points are no outline.
+        The points are no outline. Small loops, where it crosses or touches itself, are cut off.
     OutlineError
         The mask's size is not the photograph's, or a mask came with points or a second mask.
 
@@ -104,7 +105,7 @@ def find_outline(
     if is_mask:
         return OutlineInImage(outline_of_mask(array, p), mask=as_mask(array))
     if is_outline:
-        return OutlineInImage(as_outline(array))
+        return OutlineInImage(simple_outline(as_outline(array)))
     return _outline_in_photograph(as_rgb(array), mask, p)
 
 

@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ from foldrs.template import Template, builtin_templates, load_template
 
 Source: TypeAlias = str | os.PathLike[str] | ArrayLike
 Method: TypeAlias = Literal["best", "paper"]
+Folds: TypeAlias = int | Literal["auto"]
 TemplateLike: TypeAlias = Template | str | os.PathLike[str]
 
 
@@ -36,6 +37,7 @@ def fit(
     garment_type: str | None = None,
     templates: Sequence[TemplateLike] | None = None,
     px_per_cm: float | None = None,
+    folds: Folds = 1,
     method: Method = "best",
     mask: Source | None = None,
     parameters: Parameters | None = None,
@@ -52,6 +54,8 @@ def fit(
         Use these instead of the built-in ones.
     px_per_cm : float, optional
         Known scale, px a template unit. Without it the scale is found.
+    folds : int or "auto"
+        How many folds to undo. Only one is supported so far.
     method : {"best", "paper"}
         The published method, or whatever is most accurate.
     mask : path or (h, w) array, optional
@@ -70,8 +74,10 @@ def fit(
     """
     start = time.perf_counter()
     parameters = parameters or Parameters()
-    chosen = choose_templates(templates, garment_type)
     check_scale(px_per_cm)
+    check_folds(folds)
+    check_method(method)
+    chosen = choose_templates(templates, garment_type)
 
     found = find_outline(source, mask=mask, parameters=parameters.outline)
     seen = _core.Seen(found.points, asdict(parameters.matching))
@@ -97,6 +103,7 @@ def fit(
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
         timings={"outline": segmented - start, "matching": matched - segmented},
         start=start,
+        candidate_creases=tuple(seen.sides),
     )
 
 
@@ -108,6 +115,7 @@ def result_of(
     image: str,
     timings: dict[str, float],
     start: float,
+    candidate_creases: tuple[NDArray[np.float64], ...] = (),
 ) -> FitResult:
     """Build the result from distinct explanations, the chosen one first."""
     best = explanations[0]
@@ -130,6 +138,7 @@ def result_of(
         image=image,
         seconds=time.perf_counter() - start,
         timings=timings,
+        candidate_creases=candidate_creases,
     )
 
 
@@ -149,3 +158,15 @@ def check_scale(px_per_cm: float | None) -> None:
     """Raise ParameterError unless the scale is unknown or positive and finite."""
     if px_per_cm is not None and not (math.isfinite(px_per_cm) and px_per_cm > 0):
         raise ParameterError(f"px_per_cm must be a positive number of pixels a centimetre, not {px_per_cm}")
+
+
+def check_folds(folds: Folds) -> None:
+    """Raise ParameterError unless the number of folds is one that is supported."""
+    if folds != 1:
+        raise ParameterError(f"only one fold is supported so far, not {folds}: leave folds out or set it to 1")
+
+
+def check_method(method: str) -> None:
+    """Raise ParameterError unless there is such a method."""
+    if method not in get_args(Method):
+        raise ParameterError(f"there is no method {method!r}: choose one of {', '.join(get_args(Method))}")

@@ -137,6 +137,8 @@ class FitResult:
     """Wall time, reading the image included."""
     timings: Mapping[str, float] = field(default_factory=dict)
     """Seconds by stage."""
+    candidate_creases: tuple[Points, ...] = ()
+    """(2, 2) px each: the sides of the outline considered as crease (section 2.1.2); not in the JSON form."""
 
     @property
     def fold(self) -> Fold:
