@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -60,3 +62,17 @@ def scenes() -> Path:
     if not folder.is_dir():
         pytest.skip("the real scenes (../shared/data/scenes/once) are not here")
     return folder
+
+
+@pytest.fixture(scope="session")
+def baseline() -> ModuleType:
+    """The heavy steps in NumPy, SciPy and Shapely; tests that ask for it are skipped where it is missing."""
+    path = SHARED / "bench/baseline.py"
+    if not path.is_file():
+        pytest.skip("the plain versions of the steps (../shared/bench/baseline.py) are not here")
+    spec = importlib.util.spec_from_file_location("baseline", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -85,6 +85,107 @@ def fold_layers(outline: _Points, axis: _Points) -> FoldedLayers:
         If the axis has no direction, or does not fold the outline.
     """
 
+def partial_matches(
+    seen_points: _Points, template_points: _Points, parameters: Mapping[str, Any]
+) -> list[tuple[int, int, int, float, float]]:
+    """Match pieces of two closed outlines by chord angles, the best first (section 2.1.1).
+
+    Parameters
+    ----------
+    seen_points, template_points
+        Points (m, 2) and (n, 2) at the same equal spacing, any units.
+    parameters
+        All parameters, as `default_parameters` gives them; the group ``partial_match`` is used, but not its
+        ``points``: the points are taken as they are.
+
+    Returns
+    -------
+    list of (start, template_start, length, difference, affinity)
+        The pieces are the `length` points from `start` on, modulo m, and from `template_start` on, modulo n;
+        the difference is in square radians (see `piece_difference`), the affinity in [0, 1).
+
+    Raises
+    ------
+    ValueError
+        If an outline has fewer than three points or one that is not finite, or a parameter is unknown.
+    """
+
+def piece_difference(
+    seen_points: _Points,
+    start: int,
+    template_points: _Points,
+    template_start: int,
+    length: int,
+    delta: int = 5,
+) -> float:
+    """Mean squared difference of the chord angles of two pieces of `length` points, in square radians.
+
+    Points i and j = i + k of a piece, k > `delta`, have two chord angles (section 2.1.1): at j, from the chord
+    to i to the chord to j - delta; and at i, from the chord to j to the chord to i + delta.
+
+    Raises
+    ------
+    ValueError
+        If a start is no point of its outline, or a piece of that length holds no angle or is no piece.
+    """
+
+def inner_distances(points: _Points) -> _Points:
+    """Lengths (n, n) of the shortest paths inside an outline between its vertices (section 2.1.2).
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than three points, or one is not finite.
+    """
+
+def shape_contexts(points: _Points, n_dist: int = 5, n_theta: int = 12) -> _Points:
+    """Inner-distance shape contexts of an outline's n points, one histogram a row (section 2.1.2).
+
+    Returns
+    -------
+    (n, n_dist * n_theta) array
+        Shares of the other points by logarithm of their inner distance and direction of the path's first leg
+        from the tangent; column ``distance * n_theta + direction``. Every row sums to 1.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than three points, one is not finite, or a number of bins is 0.
+    """
+
+def matching_costs(points_a: _Points, points_b: _Points, n_dist: int = 5, n_theta: int = 12) -> _Points:
+    """Chi-squared distances (n, m) between the shape contexts of two outlines, from 0 to 2 (section 2.1.2).
+
+    Raises
+    ------
+    ValueError
+        As `shape_contexts`.
+    """
+
+def alignment_costs(cost: _Points, starts: Sequence[int], skip_penalty: float = 0.6) -> _Points:
+    """Costs (k,) a row of the cheapest order-preserving matchings of two closed outlines, for k given starts.
+
+    Parameters
+    ----------
+    cost
+        Costs (n, m) of matching point i with point j, in single precision.
+    starts
+        Columns at which the second outline is cut open; the first is cut at row 0.
+    skip_penalty
+        Cost of leaving a point of either outline unmatched.
+
+    Raises
+    ------
+    ValueError
+        If there are no costs, one is negative or not finite, the penalty is so, or a start is no column.
+    """
+
+def align(cost: _Points, skip_penalty: float = 0.6) -> tuple[float, NDArray[np.int64]]:
+    """Return the cheapest matching over all starts: its cost a row, and the matched pairs (k, 2).
+
+    Pairs are of row and column; rows increase, columns increase cyclically. See `alignment_costs` for the arguments and errors.
+    """
+
 class Seen:
     """A seen outline prepared for matching; all that depends on it alone is computed once."""
 

@@ -40,12 +40,10 @@ def alike(one: Explanation, other: Explanation, parameters: AlternativeParameter
     return max(_core.outline_iou(a, b), _core.outline_iou(a, twin)) >= parameters.same_overlap
 
 
-def with_probabilities(
-    explanations: Sequence[Explanation], parameters: AlternativeParameters
-) -> tuple[Alternative, ...]:
-    """Give every explanation a probability that falls exponentially with its cost; they sum to 1."""
+def with_probabilities(explanations: Sequence[Explanation], temperature: float) -> tuple[Alternative, ...]:
+    """Give explanations probabilities that fall exponentially with cost and sum to 1."""
     cost = np.array([e.cost for e in explanations])
-    weight = np.exp(-(cost - cost.min()) / parameters.temperature)
+    weight = np.exp(-(cost - cost.min()) / temperature)
     return tuple(
         Alternative(e.template.garment_type, float(p), e.fold, e.fitted)
         for e, p in zip(explanations, weight / weight.sum(), strict=True)

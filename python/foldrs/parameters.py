@@ -309,7 +309,11 @@ class AlternativeParameters:
     same_crease: float = 0.05
     """Area between two creases, as a share of the garment's area, up to which they agree."""
     temperature: float = 0.03
-    """Difference of cost at which an explanation is 1/e times as probable."""
+    """Difference of matching cost at which an explanation is 1/e times as probable."""
+    nats: float = 3.0
+    """The same for the joint fit's evidence. It counts every few centimetres of outline as an observation of its
+    own, but where a template is wrong it is wrong all along an edge: over 360 folds of real outlines probabilities
+    meet what happens if a difference of 3 nats counts as one."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import Parameters
 from foldrs.result import FitResult, FittedTemplate
+from foldrs.stages import FittingPass, fitting_passes
 from foldrs.template import Template, builtin_templates, load_template
 
 Source: TypeAlias = str | os.PathLike[str] | ArrayLike
@@ -83,11 +84,15 @@ def fit(
     seen = _core.Seen(found.points, asdict(parameters.matching))
     segmented = time.perf_counter()
 
+    stages: tuple[FittingPass, ...] = ()
     if method == "paper":
         fits = fit_iteratively(seen, chosen, px_per_cm, parameters.fitting, parameters.alternatives)
         explanations = [one.explanation for one in fits]
+        stages = fitting_passes(fits[0], seen) if fits else ()
+        temperature = parameters.alternatives.temperature
     else:
         explanations = fit_jointly(seen, chosen, px_per_cm, asdict(parameters.matching))
+        temperature = parameters.alternatives.nats
     if not explanations:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "
@@ -103,7 +108,9 @@ def fit(
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
         timings={"outline": segmented - start, "matching": matched - segmented},
         start=start,
+        temperature=temperature,
         candidate_creases=tuple(seen.sides),
+        stages=stages,
     )
 
 
@@ -115,7 +122,9 @@ def result_of(
     image: str,
     timings: dict[str, float],
     start: float,
+    temperature: float,
     candidate_creases: tuple[NDArray[np.float64], ...] = (),
+    stages: tuple[FittingPass, ...] = (),
 ) -> FitResult:
     """Build the result from distinct explanations, the chosen one first."""
     best = explanations[0]
@@ -134,11 +143,12 @@ def result_of(
         landmarks=model.landmarks,
         grasp_pairs=model.grasp_pairs,
         unfolding=model.unfolding,
-        alternatives=with_probabilities(explanations, parameters.alternatives),
+        alternatives=with_probabilities(explanations, temperature),
         image=image,
         seconds=time.perf_counter() - start,
         timings=timings,
         candidate_creases=candidate_creases,
+        stages=stages,
     )
 
 
@@ -163,7 +173,7 @@ def check_scale(px_per_cm: float | None) -> None:
 def check_folds(folds: Folds) -> None:
     """Raise ParameterError unless the number of folds is one that is supported."""
     if folds != 1:
-        raise ParameterError(f"only one fold is supported so far, not {folds}: leave folds out or set it to 1")
+        raise ParameterError(f"only one fold is supported so far, not {folds}: leave folds out or pass 1")
 
 
 def check_method(method: str) -> None:

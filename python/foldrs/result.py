@@ -13,10 +13,13 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from foldrs.stages import FittingPass
 
 SCHEMA = 1
 """Version of the JSON form."""
@@ -139,6 +142,9 @@ class FitResult:
     """Seconds by stage."""
     candidate_creases: tuple[Points, ...] = ()
     """(2, 2) px each: the sides of the outline considered as crease (section 2.1.2); not in the JSON form."""
+    stages: tuple[FittingPass, ...] = ()
+    """Every intermediate outline of the published method, pass by pass, the template as given first; empty for
+    other methods, and not in the JSON form."""
 
     @property
     def fold(self) -> Fold:

@@ -26,6 +26,18 @@ pub(crate) fn outline(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Outline> {
     Outline::new(points(array)?).map_err(outline_error)
 }
 
+/// Three or more finite points of an (n, 2) array, all kept, for stages that index them.
+pub(crate) fn vertices(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Point>> {
+    let points = points(array)?;
+    if let Some(i) = points.iter().position(|p| !(p.x.is_finite() && p.y.is_finite())) {
+        return Err(outline_error(OutlineError::NotFinite(i)));
+    }
+    if points.len() < 3 {
+        return Err(outline_error(OutlineError::TooFewPoints(points.len())));
+    }
+    Ok(points)
+}
+
 /// The segment of a (2, 2) array.
 pub(crate) fn segment(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Segment> {
     <Segment>::try_from(points(array)?)
@@ -36,6 +48,15 @@ pub(crate) fn segment(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Segment> {
 pub(crate) fn array<'py>(py: Python<'py>, points: &[Point]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let flat: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
     flat.to_pyarray(py).reshape([points.len(), 2])
+}
+
+/// A (rows, k) array of values given row by row.
+pub(crate) fn matrix<'py>(
+    py: Python<'py>,
+    values: &[f64],
+    rows: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    values.to_pyarray(py).reshape([rows, values.len() / rows.max(1)])
 }
 
 pub(crate) fn outline_error(e: OutlineError) -> PyErr {

@@ -1,11 +1,15 @@
 //! Python bindings: every function checks and converts its arguments and calls the crate; no geometry here.
 
+mod alignment;
 mod convert;
 mod fit;
 mod fold;
+mod inner_distance;
 mod matching;
 mod model;
 mod outline;
+mod partial_match;
+mod shape_context;
 mod threads;
 
 use pyo3::prelude::*;
@@ -13,9 +17,13 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use super::alignment::{align, alignment_costs};
+    #[pymodule_export]
     use super::fit::{fit_jointly, PyFlexibleTemplate, PyJointExplanation};
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
+    #[pymodule_export]
+    use super::inner_distance::inner_distances;
     #[pymodule_export]
     use super::matching::{default_parameters, PyCandidate, PyExplanation, PySeen};
     #[pymodule_export]
@@ -24,6 +32,10 @@ mod _core {
     use super::outline::{
         check_outline, nearest_on_outline, points_at, resample, sides, signed_area, simplify,
     };
+    #[pymodule_export]
+    use super::partial_match::{partial_matches, piece_difference};
+    #[pymodule_export]
+    use super::shape_context::{matching_costs, shape_contexts};
     #[pymodule_export]
     use super::threads::set_threads;
 
