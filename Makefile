@@ -60,7 +60,9 @@ docs: $(VENV)/.built ## Build the documentation: site/index.html, site/rust/fold
 .PHONY: bench
 bench: $(VENV)/.built ## Measure the speed of every step
 	cargo bench --locked --package foldrs --all-features
-	$(BIN)/python -m pytest benchmarks -o addopts="" --benchmark-only
+	$(BIN)/python -m pytest benchmarks -o addopts="" --benchmark-only --benchmark-min-rounds=3 \
+	    --benchmark-columns=median,iqr,rounds --benchmark-sort=name --quiet
+	$(BIN)/python benchmarks/compare.py
 
 .PHONY: wheel
 wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/

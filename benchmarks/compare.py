@@ -72,8 +72,8 @@ def seen(kind: str) -> Points:
     return np.array(make_scene(builtin_templates(kind)[0], seed=3).truth["outline_image"])
 
 
-def kernels(b: ModuleType | None) -> list[Step]:
-    """The steps of one comparison of two outlines of N points."""
+def kernels(b: Any) -> list[Step]:
+    """The steps of one comparison of two outlines of N points; `b` is the yardstick, if it is there."""
     parameters = asdict(Parameters().matching)
     parameters["alignment"]["starts"] = STARTS
     p, q = (_core.resample(seen(kind), N) for kind in ("pants", "shirt"))

@@ -10,10 +10,14 @@ import cv2
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import foldrs
+from conftest import simple_polygons
 from foldrs import _core, pipeline
+from foldrs._mending import simple_outline
 from foldrs.cli import main
 from foldrs.errors import (
     FoldrsError,
@@ -131,6 +135,7 @@ def test_masks_without_one_whole_garment(scene: Scene) -> None:
         ([[0, 0], [9, 0], [9, 9], [np.nan, 9]], InvalidOutlineError, "NaN"),
         ([[0, 0], [9, 0], [9, 9], [np.inf, 9]], InvalidOutlineError, "infinity"),
         ([[0, 0], [5, 0], [9, 0]], InvalidOutlineError, "no area"),
+        ([[0, 0], [0, 1], [9e7, 1e300]], InvalidOutlineError, "1e[+]300"),
         ([[5, 5]] * 9, InvalidOutlineError, "three points"),
         ([[0, 0], [9, 9], [9, 0], [0, 9]], InvalidOutlineError, "no area"),
         ([[0, 0], [9, 9], [9, 0], [0, 6]], InvalidOutlineError, "edges 0 and 2 of the outline cross"),
@@ -338,6 +343,7 @@ def test_results_never_overwrite_each_other_or_what_is_read(tmp_path: Path, scen
     for arguments, words in (
         ([jpg, png, "--out", tmp_path / "out"], "both"),
         ([jpg, jpg, "--out", tmp_path / "out"], "both"),
+        ([jpg, "a/towel.stages.jpg", "--plot-stages", "--out", tmp_path / "out"], "both"),
         ([png, "--plot", "--out", tmp_path / "b"], "overwritten"),
         ([sheet, "--template", tmp_path / "b" / "sheet.json", "--out", tmp_path / "b"], "overwritten"),
     ):
@@ -369,3 +375,42 @@ def test_options_of_the_command(photos: Path, options: list[str], status: int, w
 def test_one_fold_may_be_asked_for(photos: Path, outline: NDArray[np.float64]) -> None:
     assert command(photos / "towel.jpg", "--folds", 1).exit_code == 0
     assert foldrs.fit(outline, garment_type="towel", folds=1).garment_type == "towel"
+
+
+coordinates = st.floats(-1e9, 1e9) | st.integers(-5, 5).map(float) | st.sampled_from([np.nan, np.inf, 1e300])
+any_points = st.lists(st.tuples(coordinates, coordinates), max_size=12)
+
+
+@settings(max_examples=300)
+@given(st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=3, max_size=12))
+def test_a_mended_outline_is_simple(points: list[tuple[int, int]]) -> None:
+    outline = np.array(points, float)
+    try:
+        mended = simple_outline(outline)
+    except InvalidOutlineError:
+        return
+    _core.check_outline(mended)
+    assert abs(_core.signed_area(mended)) <= np.ptp(outline, axis=0).prod() * (1 + 1e-12)
+
+
+@settings(max_examples=60)
+@given(any_points, st.sampled_from([None, 3.0]))
+def test_any_points_give_an_answer_or_a_named_error(
+    points: list[tuple[float, float]], px_per_cm: float | None
+) -> None:
+    try:
+        result = foldrs.fit(np.reshape(points, (-1, 2)), garment_type="towel", px_per_cm=px_per_cm)
+    except FoldrsError:
+        return
+    json.dumps(result.to_dict(), allow_nan=False)
+
+
+@settings(max_examples=15)
+@given(simple_polygons, st.sampled_from(["towel", "pants"]))
+def test_any_simple_outline_gives_an_answer_or_a_named_error(points: NDArray[np.float64], kind: str) -> None:
+    try:
+        result = foldrs.fit(points, garment_type=kind)
+    except NoHypothesisError:
+        return
+    json.dumps(result.to_dict(), allow_nan=False)
+    assert len(result.alternatives) >= 1

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from foldrs import __version__
+from foldrs import __version__, plot
 from foldrs.cli import main
 from foldrs.synth import SCENARIOS, SynthParameters, make_scene
 from foldrs.template import builtin_templates, save_template
@@ -79,6 +79,28 @@ def test_fit_prints_one_line_and_writes_nothing_without_out(photos: Path, tmp_pa
     assert done.stdout.startswith("towel.jpg: ")
     assert len(done.stdout.splitlines()) == 1
     assert sorted(photos.iterdir()) == before
+
+
+def test_timings_are_printed_by_stage(photos: Path) -> None:
+    done = foldrs("fit", photos / "towel.jpg", "--type", "towel", "--timings")
+    assert done.exit_code == 0, done.output
+    line, stages = done.stdout.splitlines()
+    assert line.startswith("towel.jpg: ")
+    seconds = [float(stage.split()[1]) for stage in stages.split(", ")]
+    assert "outline" in stages
+    assert 0 < sum(seconds) < 1.01 * float(line.split()[-2]) + 0.01
+
+
+def test_the_picture_shows_the_candidate_creases(
+    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr(plot, "save_picture", lambda *_, details: drawn.append(details))
+    done = foldrs("fit", photos / "towel.jpg", "--type", "towel", "--plot", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    (details,) = drawn
+    assert details.sides
+    assert all(side.shape == (2, 2) for side in details.sides)
 
 
 def test_fit_writes_every_good_image_though_one_is_bad(photos: Path, tmp_path: Path) -> None:

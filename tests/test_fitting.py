@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from foldrs import _core
 from foldrs.fitting import fit_iteratively
+from foldrs.landmark import carried
 from foldrs.parameters import Parameters
 from foldrs.registration import local_similarities
 from foldrs.straight_sides import SampledSides, new_corners, straight_lines
 from foldrs.template import builtin_templates
-from foldrs.template_update import carried, in_template_units
+from foldrs.template_update import in_template_units
 
 PARAMETERS = Parameters()
 FITTING = replace(PARAMETERS.fitting, starts=1)

@@ -41,11 +41,27 @@ def test_every_public_name_is_there_and_documented() -> None:
         foldrs.no_such_name  # noqa: B018
 
 
-def test_import_is_light() -> None:
-    heavy = "cv2", "matplotlib", "skimage", "shapely"
-    code = f"import sys, foldrs, foldrs.cli; print([name for name in {heavy} if name in sys.modules])"
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == "[]"
+@pytest.mark.parametrize("modules", ["foldrs", "foldrs.cli"])
+def test_import_is_light(modules: str) -> None:
+    told = subprocess.run(
+        [sys.executable, "-X", "importtime", "-c", f"import {modules}"],
+        capture_output=True,
+        check=True,
+        text=True,
+    )
+    imported = {line.split("|")[-1].strip() for line in told.stderr.splitlines()}
+    assert "foldrs._core" in imported
+    assert not imported & {"cv2", "matplotlib", "rich.console", "shapely", "skimage"}
+    assert modules == "foldrs.cli" or "click" not in imported
+
+
+def test_fitting_does_not_wait_for_what_draws_and_evaluates() -> None:
+    code = (
+        "import sys, foldrs; foldrs.fit([[0, 0], [90, 0], [90, 60], [0, 60]], garment_type='towel'); "
+        "print({'matplotlib', 'skimage', 'rich', 'click'} & set(sys.modules))"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert told.stdout.strip() == "set()"
 
 
 def test_types_stub_and_templates_are_installed() -> None:

@@ -120,8 +120,8 @@ def piece_difference(
 ) -> float:
     """Mean squared difference of the chord angles of two pieces of `length` points, in square radians.
 
-    Points i and j = i + k of a piece, k > `delta`, have two chord angles (section 2.1.1): at j, from the chord
-    to i to the chord to j - delta; and at i, from the chord to j to the chord to i + delta.
+    Points i and j = i + k of a piece, k > `delta`, have two chord angles (section 2.1.1): at j, from the
+    chord to i to the chord to j - delta; and at i, from the chord to j to the chord to i + delta.
 
     Raises
     ------
@@ -183,7 +183,8 @@ def alignment_costs(cost: _Points, starts: Sequence[int], skip_penalty: float = 
 def align(cost: _Points, skip_penalty: float = 0.6) -> tuple[float, NDArray[np.int64]]:
     """Return the cheapest matching over all starts: its cost a row, and the matched pairs (k, 2).
 
-    Pairs are of row and column; rows increase, columns increase cyclically. See `alignment_costs` for the arguments and errors.
+    Pairs are of row and column; rows increase, columns increase cyclically. See `alignment_costs` for the
+    arguments and errors.
     """
 
 class Seen:
@@ -283,6 +284,12 @@ class JointExplanation:
     def to_seen(self) -> _Points:
         """The (2, 3) similarity of the fitted template onto the seen outline; reflects for the other face."""
     @property
+    def flap_on_top(self) -> float:
+        """Nats by which the flap is more likely on top than below, by the picture; 0 without one."""
+    @property
+    def picture_gain(self) -> float:
+        """Nats of the evidence that come from the picture; 0 without one."""
+    @property
     def surprise(self) -> float:
         """Minus log evidence in nats; comparable between templates."""
 
@@ -291,6 +298,8 @@ def fit_jointly(
     outlines: Sequence[_Points],
     templates: Sequence[FlexibleTemplate],
     scale: float | None = None,
+    tensor: NDArray[np.float32] | None = None,
+    tensor_scale: float = 1.0,
 ) -> tuple[list[JointExplanation], float]:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 

@@ -14,6 +14,9 @@ from foldrs.errors import InvalidOutlineError
 _LARGEST_LOSS = 0.02
 """Largest share of the area that may be cut off with the loops: more is no flaw of tracing."""
 
+_LARGEST_COORDINATE = 1e15
+"""Farther out floating point numbers no longer tell neighbouring pixels apart."""
+
 
 def simple_outline(outline: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return an outline that does not cross itself.
@@ -31,8 +34,10 @@ def simple_outline(outline: NDArray[np.float64]) -> NDArray[np.float64]:
     Raises
     ------
     InvalidOutlineError
-        It encloses no area, or crosses itself so much that its shape cannot be told.
+        It encloses no area, crosses itself so much that its shape cannot be told, or lies too far out.
     """
+    if (farthest := float(np.abs(outline).max())) > _LARGEST_COORDINATE:
+        raise InvalidOutlineError(f"The outline has a coordinate of size {farthest:.3g}: pass pixels.")
     try:
         _core.check_outline(outline)
     except InvalidOutlineError as error:
@@ -49,8 +54,10 @@ def _without_loops(outline: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Cut off all but the largest part; None if it is not nearly all there is."""
     from shapely import Polygon, area, get_parts, make_valid
 
-    parts = get_parts(make_valid(Polygon(outline)))
-    areas = area(parts)
+    # What was mended may be a collection of polygons, lines, and collections of polygons.
+    with np.errstate(all="ignore"):  # of coordinates whose products are too large or small for numbers
+        parts = get_parts(get_parts(make_valid(Polygon(outline))))
+        areas = area(parts)
     if not areas.sum() > 0:
         return None
     largest = Polygon(parts[areas.argmax()].exterior)

@@ -35,8 +35,11 @@ class Explanation:
     unfolded_cost: float
     """Cost of the same template unfolded."""
     placed: Points | None = None
-    """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie where
-    `to_image` puts them."""
+    """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie
+    where `to_image` puts them."""
+
+    flap_on_top: bool | None = None
+    """Whether the flap lies on top of the kept part; None where the picture does not tell."""
 
     @property
     def accepted(self) -> bool:
@@ -60,7 +63,7 @@ class Explanation:
     @property
     def fold(self) -> Fold:
         """The fold of this explanation."""
-        return Fold(axis_image=self.crease, axis_template=self.fitted.axis)
+        return Fold(self.crease, self.fitted.axis, self.flap_on_top)
 
 
 def apply(plane_map: Points, points: Points) -> Points:

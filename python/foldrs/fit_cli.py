@@ -133,8 +133,8 @@ def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Fo
 @click.option(
     "--plot-stages",
     is_flag=True,
-    help="Also `--plot stages`: as --plot, and STEM.stages.png, every stage of the published method, which is "
-    "run for this picture too if --method is best. (An image named stages: ./stages)",
+    help="Or --plot stages: as --plot, and also STEM.stages.png with every stage of the published method, "
+    "which is run for that picture too if --method is best. Name an image stages as ./stages.",
 )
 @click.option("--timings", is_flag=True, help="Also print the seconds of every stage.")
 @click.option("--jobs", type=click.IntRange(1), help="Images and hypotheses at a time; default: all cores.")
@@ -194,17 +194,17 @@ def fit_command(
 
 def _check_outputs(images: Sequence[Path], out: Path, suffixes: Sequence[str], read: Sequence[Path]) -> None:
     """Refuse a call that would write a file twice, or over a file that it reads."""
-    by_stem: dict[str, Path] = {}
+    written: dict[Path, Path] = {}
     inputs = {path.resolve() for path in read}
     for image in images:
-        if image.stem in by_stem:
-            raise click.UsageError(
-                f"{by_stem[image.stem]} and {image} would both be written to {out / image.stem}.json: "
-                "rename one, or use one call each with a folder of its own"
-            )
-        by_stem[image.stem] = image
         for suffix in suffixes:
             path = out / f"{image.stem}{suffix}"
+            if path in written:
+                raise click.UsageError(
+                    f"{written[path]} and {image} would both be written to {path}: "
+                    "rename one, or use one call each with a folder of its own"
+                )
+            written[path] = image
             if path.resolve() in inputs:
                 raise click.UsageError(
                     f"{path} is read here and would be overwritten: use another folder for --out"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,29 +11,45 @@ import numpy as np
 from foldrs import _core
 from foldrs.explanation import Explanation, Points
 from foldrs.landmark import carried
+from foldrs.parameters import Parameters
+from foldrs.picture import ColourEdges
 from foldrs.result import FittedTemplate
 from foldrs.template import Template
 
 
 def fit_jointly(
-    seen: _core.Seen, templates: Sequence[Template], px_per_unit: float | None, parameters: Mapping[str, Any]
+    seen: _core.Seen,
+    templates: Sequence[Template],
+    px_per_unit: float | None,
+    edges: ColourEdges | None,
+    parameters: Parameters,
 ) -> list[Explanation]:
     """Fit every template jointly with its crease, from all claims about its axis; the best first."""
-    flexible = [flexible_template(t, parameters) for t in templates]
+    flexible = [flexible_template(t, asdict(parameters.matching)) for t in templates]
     outlines = [t.outline for t in templates]
-    fits, unfolded = _core.fit_jointly(seen, outlines, flexible, px_per_unit)
+    fits, unfolded = _core.fit_jointly(
+        seen,
+        outlines,
+        flexible,
+        px_per_unit,
+        None if edges is None else edges.tensor,
+        1.0 if edges is None else edges.scale,
+    )
     return [
         Explanation(
             template=templates[fit.template],
             original_axis=axis_on(templates[fit.template].outline, fit),
             fitted=FittedTemplate(
-                fit.outline, carried(templates[fit.template].landmarks, templates[fit.template].outline, fit.outline), fit.axis
+                fit.outline,
+                carried(templates[fit.template].landmarks, templates[fit.template].outline, fit.outline),
+                fit.axis,
             ),
             to_image=fit.to_seen,
             crease=fit.crease,
             cost=fit.surprise,
             original_cost=fit.surprise,
             unfolded_cost=unfolded,
+            flap_on_top=layer_on_top(fit.flap_on_top, parameters.picture.sure),
         )
         for fit in fits
     ]
@@ -47,6 +64,11 @@ def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _cor
 
 
 def axis_on(outline: Points, fit: _core.JointExplanation) -> Points:
-    """The fitted axis on the template as given: its ends at the same shares of the same edges."""
+    """Carry the fitted axis to the template as given: its ends at the same shares of the same edges."""
     ends = carried({"first": fit.axis[0], "last": fit.axis[1]}, fit.outline, outline)
     return np.array([ends["first"], ends["last"]])
+
+
+def layer_on_top(nats: float, sure: float) -> bool | None:
+    """Whether the flap lies on top, by how much more likely that is; None where it cannot be told."""
+    return None if abs(nats) < sure else nats > 0

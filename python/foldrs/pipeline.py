@@ -22,6 +22,7 @@ from foldrs.joint_fit import fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import Parameters
+from foldrs.picture import colour_edges
 from foldrs.result import FitResult, FittedTemplate
 from foldrs.stages import FittingPass, fitting_passes
 from foldrs.template import Template, builtin_templates, load_template
@@ -91,7 +92,8 @@ def fit(
         stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
     else:
-        explanations = fit_jointly(seen, chosen, px_per_cm, asdict(parameters.matching))
+        edges = None if found.rgb is None else colour_edges(found.rgb, parameters.picture)
+        explanations = fit_jointly(seen, chosen, px_per_cm, edges, parameters)
         temperature = parameters.alternatives.nats
     if not explanations:
         raise NoHypothesisError(

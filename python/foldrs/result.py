@@ -51,6 +51,8 @@ class Fold:
     """(2, 2) px."""
     axis_template: Points
     """(2, 2) template units."""
+    flap_on_top: bool | None = None
+    """Whether the flap lies on top of the kept part; None where it cannot be told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +94,8 @@ class UnfoldingAction:
     two_arms: tuple[GraspMove, GraspMove] | None
     """The moves of the best grasp pair; None if no pair is accessible."""
     one_arm: GraspMove | None
-    """The move of the accessible landmark farthest from the crease, which turns the most cloth; None if no landmark
-    is accessible."""
+    """The move of the accessible landmark farthest from the crease, which turns the most cloth; None if no
+    landmark is accessible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +145,8 @@ class FitResult:
     candidate_creases: tuple[Points, ...] = ()
     """(2, 2) px each: the sides of the outline considered as crease (section 2.1.2); not in the JSON form."""
     stages: tuple[FittingPass, ...] = ()
-    """Every intermediate outline of the published method, pass by pass, the template as given first; empty for
-    other methods, and not in the JSON form."""
+    """Every intermediate outline of the published method, pass by pass, the template as given first; empty
+    for other methods; not in the JSON form."""
 
     @property
     def fold(self) -> Fold:
@@ -164,7 +166,11 @@ class FitResult:
             "outline_image": _plain(self.outline_image),
             "fold": {"axis_image": _plain(self.fold.axis_image)},
             "folds": [
-                {"axis_image": _plain(f.axis_image), "axis_template": _plain(f.axis_template)}
+                {
+                    "axis_image": _plain(f.axis_image),
+                    "axis_template": _plain(f.axis_template),
+                    "flap_on_top": f.flap_on_top,
+                }
                 for f in self.folds
             ],
             "original_template": _template(self.original_template),

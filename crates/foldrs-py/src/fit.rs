@@ -2,10 +2,10 @@
 
 use crate::convert::{array, outline, points};
 use crate::matching::{map_array, PySeen};
-use foldrs::fit::{explain_jointly, FlexibleTemplate, JointExplanation};
+use foldrs::fit::{explain_jointly, FlexibleTemplate, JointExplanation, Picture};
 use foldrs::matching::claim_axes;
 use foldrs::{Outline, Point, Segment};
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -76,6 +76,16 @@ impl PyJointExplanation {
     }
 
     #[getter]
+    fn flap_on_top(&self) -> f64 {
+        self.fit.rim.flap_on_top
+    }
+
+    #[getter]
+    fn picture_gain(&self) -> f64 {
+        self.fit.rim.gain
+    }
+
+    #[getter]
     fn surprise(&self) -> f64 {
         self.fit.surprise
     }
@@ -83,22 +93,32 @@ impl PyJointExplanation {
 
 /// Claims about the fold axis, without testing them, and the joint fits they lead to; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, outlines, templates, scale=None))]
+#[pyo3(signature = (seen, outlines, templates, scale=None, tensor=None, tensor_scale=1.0))]
 pub(crate) fn fit_jointly(
     py: Python<'_>,
     seen: &PySeen,
     outlines: Vec<PyReadonlyArray2<'_, f64>>,
     templates: Vec<PyRef<'_, PyFlexibleTemplate>>,
     scale: Option<f64>,
+    tensor: Option<PyReadonlyArray3<'_, f32>>,
+    tensor_scale: f64,
 ) -> PyResult<(Vec<PyJointExplanation>, f64)> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
     let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
     let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
+    let picture = tensor.map(|t| picture(&t, tensor_scale)).transpose()?;
     let fits = py.detach(|| {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
-        let fits = explain_jointly(&seen.seen, &templates, &claims, scale, &seen.parameters.fit);
+        let fits = explain_jointly(
+            &seen.seen,
+            &templates,
+            &claims,
+            scale,
+            picture.as_ref(),
+            &seen.parameters,
+        );
         let folds = fits.folds.into_iter();
         let told = folds.map(|fit| PyJointExplanation {
             original_axis: claims[fit.claim].hypothesis.axis,
@@ -107,4 +127,22 @@ pub(crate) fn fit_jointly(
         (told.collect(), fits.unfolded)
     });
     Ok(fits)
+}
+
+/// The picture of an (h, w, 3) array of structure tensors.
+fn picture(tensor: &PyReadonlyArray3<'_, f32>, scale: f64) -> PyResult<Picture> {
+    let view = tensor.as_array();
+    let (height, width, parts) = view.dim();
+    if parts != 3 || !(scale > 0.0 && scale.is_finite()) {
+        return Err(PyValueError::new_err(
+            "the structure tensor must be of shape (h, w, 3) and its scale positive",
+        ));
+    }
+    let tensor = view.rows().into_iter().map(|t| [t[0], t[1], t[2]]).collect();
+    Ok(Picture {
+        width,
+        height,
+        tensor,
+        scale,
+    })
 }

@@ -108,7 +108,7 @@ impl Axis {
             })
             .collect();
         crossings.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.edge.cmp(&b.edge)));
-        alternate(&mut crossings)?;
+        alternate(&mut crossings, outline.signed_area() < 0.0)?;
         Ok(crossings
             .chunks_exact(2)
             .map(|c| Chord { ends: [c[0], c[1]] })
@@ -118,21 +118,28 @@ impl Axis {
 
 /// Along a line the crossings with a simple outline change direction every time. Crossings at the same place
 /// (the outline touches the line with a vertex) come out of the sort in any order: put them right.
-fn alternate(crossings: &mut [Crossing]) -> Result<(), FoldError> {
+///
+/// `entering_to_left` is the direction in which the outline passes where the line enters it, as its winding tells.
+fn alternate(crossings: &mut [Crossing], entering_to_left: bool) -> Result<(), FoldError> {
     let extent = match crossings {
         [first, .., last] => last.position - first.position,
         _ => 0.0,
     };
-    for i in 1..crossings.len() {
-        if crossings[i].to_left == crossings[i - 1].to_left {
-            let wanted = |c: &Crossing| c.to_left != crossings[i].to_left;
-            let same_place = |c: &Crossing| c.position - crossings[i].position <= 1e-9 * extent;
-            let other = crossings[i + 1..]
-                .iter()
-                .take_while(|c| same_place(c))
-                .position(wanted)
-                .ok_or(FoldError::Tangled)?;
-            crossings.swap(i, i + 1 + other);
+    for i in 0..crossings.len() {
+        let wanted = if i == 0 {
+            entering_to_left
+        } else {
+            !crossings[i - 1].to_left
+        };
+        if crossings[i].to_left != wanted {
+            let same_place = |c: &&Crossing| c.position - crossings[i].position <= 1e-9 * extent;
+            let mut others = crossings[i + 1..].iter().take_while(same_place);
+            match others.position(|c| c.to_left == wanted) {
+                Some(other) => crossings.swap(i, i + 1 + other),
+                // An outline that crosses itself may be entered in either direction.
+                None if i == 0 => {}
+                None => return Err(FoldError::Tangled),
+            }
         }
     }
     if crossings.len().is_multiple_of(2) {

@@ -195,13 +195,15 @@ pub fn aggregate(
     let bins = parameters.angle_bins as i64;
     let mut images: BTreeMap<(Face, usize), Image> = BTreeMap::new();
     for (k, h) in found.iter().enumerate() {
-        let d = h.axis[1] - h.axis[0];
-        let mut angle = d.y.atan2(d.x);
-        let mut distance = d.normalize().perp(&(centre - h.axis[0]));
-        if angle < 0.0 {
-            angle += std::f64::consts::PI;
-            distance = -distance;
+        let mut d = h.axis[1] - h.axis[0];
+        // Of a line's two directions, the one from 0 to half a turn.
+        if d.y < 0.0 || (d.y == 0.0 && d.x < 0.0) {
+            d = -d;
         }
+        let angle = d.y.atan2(d.x);
+        let distance = d
+            .normalize()
+            .perp(&(centre - nalgebra::center(&h.axis[0], &h.axis[1])));
         let column = ((angle / std::f64::consts::PI * bins as f64) as i64).min(bins - 1);
         let row = (distance / width).floor() as i64;
         images

@@ -227,8 +227,8 @@ impl Outline {
 
     /// Vertices kept by Douglas-Peucker simplification: no vertex lies farther than `tolerance` from the result.
     ///
-    /// A closed outline has no natural end to start from; the two vertices farthest apart are always corners,
-    /// so the result does not depend on where the outline starts. Indices in increasing order.
+    /// A closed outline has no natural end to start from: two vertices that are (nearly) as far apart as any are
+    /// always corners. Indices in increasing order.
     pub fn simplify(&self, tolerance: f64) -> Vec<usize> {
         let n = self.points.len();
         let (a, b) = self.farthest_vertices();

@@ -25,6 +25,8 @@ pub struct Parameters {
     pub alignment: AlignmentParameters,
     /// Joint fit.
     pub fit: FitParameters,
+    /// Evidence from the picture.
+    pub rim: RimParameters,
 }
 
 /// Sides of the simplified outline (section 2.1).
@@ -242,6 +244,48 @@ impl Default for FitParameters {
             directions: 12,
             starts: 300,
             refined: 40,
+        }
+    }
+}
+
+/// Evidence from the picture (beyond the paper). Lengths are in template units (cm for the built-in templates).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct RimParameters {
+    /// Rims this near to the seen outline or the crease say nothing: those edges are there anyway.
+    pub inside: f64,
+    /// Distance of two places looked at along a rim.
+    pub spacing: f64,
+    /// How far beside the predicted rim its edge is looked for: straight predicted rims miss curved real ones.
+    pub reach: f64,
+    /// Length along a rim over which edges go together: so much rim is one observation.
+    pub correlation: f64,
+    /// Share of a true rim that shows as an edge.
+    pub shown: f64,
+    /// How strongly the edges of a rim that shows rank above chance edges (the density of their rank r is
+    /// k r^(k-1)).
+    pub sharpness: f64,
+    /// Odds that edges along a predicted rim are something else's (a seam, a pocket): they bound the evidence.
+    pub mislead: f64,
+    /// Weight of the picture against the outline; 0 leaves the picture out.
+    pub weight: f64,
+}
+
+impl Default for RimParameters {
+    fn default() -> Self {
+        Self {
+            inside: 1.5,
+            spacing: 1.0,
+            reach: 1.2,
+            correlation: 4.0,
+            shown: 0.6,
+            sharpness: 5.0,
+            mislead: 0.05,
+            weight: 0.6,
         }
     }
 }

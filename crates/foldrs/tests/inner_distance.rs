@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{polygon, star, subdivided, transformed};
+use common::{cases, polygon, star, subdivided, transformed};
 use foldrs::inner_distance::{inner_distances, mean_inner_distance, InnerDistances};
 use foldrs::Point;
 use proptest::prelude::*;
@@ -114,7 +114,7 @@ fn assert_steps_lead_there(p: &[Point], inner: &InnerDistances) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn agrees_with_the_oracle(p in polygon(3..28)) {

@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{polygon, star, subdivided, transformed};
+use common::{cases, polygon, star, subdivided, transformed};
 use foldrs::alignment::{align, alignment_costs, AlignmentParameters};
 use foldrs::inner_distance::{inner_distances, mean_inner_distance};
 use foldrs::shape_context::{chi_squared, shape_contexts, CostMatrix, ShapeContextParameters, ShapeContexts};
@@ -83,7 +83,7 @@ fn costs(rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> impl 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(cases(100))]
 
     #[test]
     fn histograms_follow_the_definition(p in polygon(3..40), n_dist in 1_usize..8, n_theta in 1_usize..20) {

@@ -1,8 +1,9 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
-use super::{fit_jointly, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use super::rim::{Picture, RimEvidence, Rims};
+use super::{fit_starts, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField, Start};
 use crate::matching::{Claim, Seen};
-use crate::parameters::FitParameters;
+use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
 use crate::{Outline, Point, Segment};
 use nalgebra::Matrix2;
@@ -24,6 +25,8 @@ pub struct JointExplanation {
     pub crease: Segment,
     /// Minus log evidence, in nats; comparable between templates.
     pub surprise: f64,
+    /// The part of the evidence that comes from the picture.
+    pub rim: RimEvidence,
 }
 
 /// What the joint fit found.
@@ -37,14 +40,17 @@ pub struct JointFits {
 
 /// Fits every template jointly with the crease, from all claims; the best evidence first.
 ///
-/// `scale` is the number of seen units a template unit, if known.
+/// `scale` is the number of seen units a template unit, if known; `picture` what was seen within the outline, in the
+/// same coordinates, if there is a picture.
 pub fn explain_jointly(
     seen: &Seen,
     templates: &[FlexibleTemplate],
     claims: &[Claim],
     scale: Option<f64>,
-    parameters: &FitParameters,
+    picture: Option<&Picture>,
+    parameters: &Parameters,
 ) -> JointFits {
+    let (parameters, rim) = (&parameters.fit, &parameters.rim);
     let mut found = JointFits {
         folds: Vec::new(),
         unfolded: f64::INFINITY,
@@ -87,10 +93,12 @@ pub fn explain_jointly(
             from.push((start, index));
         }
     }
-    let fits = fit_jointly(&field, templates, &starts, &parameters);
+    let rims = picture.and_then(|picture| Rims::new(picture, working, &field, rim));
+    let fits = fit_starts(&field, templates, &starts, rims.as_ref(), &parameters);
     if let Some((t, _)) = fits.first() {
         let expected = scale.map_or(ratio(field.area, templates[*t].area), |_| 1.0);
         let unfolded = fit_unfolded(&field, &templates[*t], outline.centroid(), expected, &parameters);
+        // Where nothing is folded the picture has nothing to say: chance made its edges.
         found.unfolded = unfolded.map_or(f64::INFINITY, |fit| fit.surprise);
     }
     // Which side is the crease is one more thing to be told.
@@ -164,5 +172,6 @@ fn explanation(
         to_seen,
         crease,
         surprise: fit.surprise,
+        rim: fit.rim,
     })
 }

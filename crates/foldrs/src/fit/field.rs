@@ -51,6 +51,18 @@ impl SeenField {
         }
     }
 
+    /// The grid's nodes that lie at least `depth` within the outline.
+    pub(super) fn nodes_within(&self, depth: f64) -> impl Iterator<Item = Point> + '_ {
+        self.distance
+            .iter()
+            .enumerate()
+            .filter(move |(_, d)| **d < -depth)
+            .map(|(k, _)| {
+                let node = Vector::new((k % self.columns) as f64, (k / self.columns) as f64);
+                self.low + node * self.cell
+            })
+    }
+
     /// Distance from the outline, positive outside, and its gradient; far off the grid it grows on.
     pub(super) fn at(&self, p: &Point) -> (f64, Vector) {
         let g = (p - self.low) / self.cell;

@@ -14,14 +14,17 @@
 mod explain;
 mod field;
 mod layers;
+mod rim;
 mod shape;
 mod solve;
 
 pub use explain::{explain_jointly, JointExplanation, JointFits};
 pub use field::SeenField;
+pub use rim::{Picture, RimEvidence};
 pub use shape::FlexibleTemplate;
 pub use solve::{JointFit, Start};
 
+use self::rim::Rims;
 use crate::crease::Axis;
 use crate::hypothesis::{Face, Hypothesis};
 use crate::parameters::FitParameters;
@@ -34,6 +37,17 @@ pub fn fit_jointly(
     field: &SeenField,
     templates: &[FlexibleTemplate],
     starts: &[(usize, Start)],
+    parameters: &FitParameters,
+) -> Vec<(usize, JointFit)> {
+    fit_starts(field, templates, starts, None, parameters)
+}
+
+/// As [`fit_jointly`], with what the picture says of every fit's rims added to its evidence.
+fn fit_starts(
+    field: &SeenField,
+    templates: &[FlexibleTemplate],
+    starts: &[(usize, Start)],
+    rims: Option<&Rims>,
     parameters: &FitParameters,
 ) -> Vec<(usize, JointFit)> {
     let mut coarse: Vec<(usize, JointFit)> = parallel::map(starts, |(t, start)| {
@@ -50,7 +64,12 @@ pub fn fit_jointly(
         kept[*t] <= parameters.refined
     });
     let mut fine: Vec<(usize, JointFit)> = parallel::map(&coarse, |(t, fit)| {
-        solve::fine(field, &templates[*t], fit, parameters).map(|fit| (*t, fit))
+        let fit = solve::fine(field, &templates[*t], fit, parameters)?;
+        let fit = match rims {
+            Some(rims) => solve::with_picture(field, &templates[*t], &fit, rims, parameters)?,
+            None => fit,
+        };
+        Some((*t, fit))
     })
     .into_iter()
     .flatten()

@@ -197,4 +197,16 @@ mod tests {
         assert!(template.cost(&wider) < template.cost(&skewed));
         assert_eq!(template.cost(&DVector::zeros(8)), 0.0);
     }
+
+    proptest::proptest! {
+        #[test]
+        fn every_displacement_costs_something(d in proptest::collection::vec(-30.0..30.0_f64, 8)) {
+            let (template, d) = (trapezium(), DVector::from_vec(d));
+            let cost = template.cost(&d);
+            // No corner leaves its place for less than its own spread allows.
+            let spread = FitParameters::default().shape * template.area.sqrt();
+            assert!(cost >= 0.5 * d.norm_squared() / (spread * spread) * (1.0 - 1e-9));
+            assert!((template.cost(&(&d * 2.0)) - 4.0 * cost).abs() <= 1e-9 * cost);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::field::SeenField;
 use super::layers::{pieces, Piece};
+use super::rim::{RimEvidence, Rims};
 use super::shape::{log_determinant, FlexibleTemplate};
 use crate::crease::Axis;
 use crate::fold::Layer;
@@ -45,6 +46,8 @@ pub struct JointFit {
     pub crease: Segment,
     /// Minus log evidence: how surprising the seen outline is under this template and crease, in nats.
     pub surprise: f64,
+    /// What the picture says of it; nothing without a picture.
+    pub rim: RimEvidence,
     /// The part of it that comes from the distances between the outlines alone.
     pub residual: f64,
     state: State,
@@ -134,9 +137,28 @@ pub(super) fn polished(
     }
     let polished = problem.finish(state, parameters.polish_noise)?;
     Some(JointFit {
+        rim: fit.rim,
         surprise: fit.surprise,
         residual: fit.residual,
         ..polished
+    })
+}
+
+/// The fit with what the picture says of its rims added to its evidence.
+pub(super) fn with_picture(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    fit: &JointFit,
+    rims: &Rims,
+    parameters: &FitParameters,
+) -> Option<JointFit> {
+    let problem = Problem::new(field, template, fit.start, parameters)?;
+    let pieces = problem.pieces(&problem.ring(&fit.state), &problem.axis(&fit.state))?;
+    let rim = rims.evidence(&pieces, field);
+    Some(JointFit {
+        rim,
+        surprise: fit.surprise - rim.gain,
+        ..fit.clone()
     })
 }
 
@@ -367,6 +389,7 @@ impl<'a> Problem<'a> {
             turn: state.turn,
             crease,
             surprise,
+            rim: RimEvidence::default(),
             residual: normal.residual,
             state,
         })

@@ -3,8 +3,25 @@
 
 use std::ops::Range;
 
-use foldrs::Point;
+use foldrs::{Outline, Point};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// So many cases, the same ones every time.
+pub fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(2015),
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(cases)
+    }
+}
+
+/// An outline through random points; those that hardly enclose anything are left out.
+pub fn outline(size: Range<usize>) -> impl Strategy<Value = Outline> {
+    polygon(size).prop_filter_map("no area", |p| {
+        Outline::new(p).ok().filter(|o| o.signed_area().abs() > 1e-3)
+    })
+}
 
 fn cross(o: Point, a: Point, b: Point) -> f64 {
     (a - o).perp(&(b - o))

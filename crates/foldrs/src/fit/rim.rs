@@ -1,0 +1,135 @@
+//! Evidence from the picture: the rim of the layer on top, seen as an edge inside the outline.
+//!
+//! Of two layers one lies on top. If it is the flap, the flap's rim shows wherever it runs inside the seen outline; if it
+//! is the kept part, that part's rim shows wherever the flap sticks out below it. Folds that the outline alone cannot
+//! tell apart predict different rims. How much an edge says is weighed against chance: what counts is its rank among
+//! the edges found in the same way at any place and in any direction within the same cloth, so a print or a creased
+//! cloth, full of edges, says little.
+
+use super::field::SeenField;
+use super::layers::Piece;
+use crate::fold::Layer;
+use crate::parameters::RimParameters;
+use crate::{Point, Vector};
+
+/// Colour edges of a picture.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Structure tensor of the colours (xx, xy, yy) of every pixel, row by row.
+    pub tensor: Vec<[f32; 3]>,
+    /// Pixels of this picture a unit of the seen outline (1 unless it was made smaller).
+    pub scale: f64,
+}
+
+/// What the rims of a fold say.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RimEvidence {
+    /// Logarithm of how much more likely the picture is if this fold made it than if chance did, in nats.
+    pub gain: f64,
+    /// Logarithm of how much more likely the flap lies on top than below.
+    pub flap_on_top: f64,
+}
+
+/// A picture prepared for one garment: what edges chance gives within its cloth.
+#[derive(Debug)]
+pub(super) struct Rims<'a> {
+    picture: &'a Picture,
+    /// Picture pixels a working unit.
+    pixels: f64,
+    parameters: &'a RimParameters,
+    /// Edge strengths at chance places, increasing.
+    chance: Vec<f32>,
+}
+
+impl<'a> Rims<'a> {
+    /// `unit` is the number of seen units a working unit. `None` if the cloth is too small for chance to be known.
+    pub(super) fn new(
+        picture: &'a Picture,
+        unit: f64,
+        field: &SeenField,
+        parameters: &'a RimParameters,
+    ) -> Option<Self> {
+        let mut rims = Self {
+            picture,
+            pixels: unit * picture.scale,
+            parameters,
+            chance: Vec::new(),
+        };
+        let directions: Vec<Vector> = (0..4)
+            .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4)
+            .map(|a| Vector::new(a.cos(), a.sin()))
+            .collect();
+        for p in field.nodes_within(parameters.inside) {
+            for n in &directions {
+                rims.chance.push(rims.strength(&p, n));
+            }
+        }
+        rims.chance.sort_by(f32::total_cmp);
+        (rims.chance.len() >= 100).then_some(rims)
+    }
+
+    /// The evidence of a folded model's pieces.
+    pub(super) fn evidence(&self, pieces: &[Piece], field: &SeenField) -> RimEvidence {
+        let flap = self.layer(pieces, Layer::Flap, field);
+        let kept = self.layer(pieces, Layer::Kept, field);
+        // Either layer may be on top: the mean of both likelihoods.
+        let most = flap.max(kept);
+        let gain = most + (((flap - most).exp() + (kept - most).exp()) / 2.0).ln();
+        // However well edges lie along a rim, a seam or a pocket may have made them: that bounds what they can say.
+        let gain = -((-self.parameters.weight * gain).exp() + self.parameters.mislead).ln()
+            + self.parameters.mislead.ln_1p();
+        RimEvidence {
+            gain,
+            flap_on_top: self.parameters.weight * (flap - kept),
+        }
+    }
+
+    /// Log likelihood ratio of the rims of one layer.
+    fn layer(&self, pieces: &[Piece], layer: Layer, field: &SeenField) -> f64 {
+        let p = self.parameters;
+        let mut sum = 0.0;
+        for piece in pieces.iter().filter(|piece| piece.layer == layer) {
+            let visible = piece.length * (piece.share[1] - piece.share[0]);
+            let count = (visible / p.spacing).ceil().max(1.0);
+            let normal = Vector::new(-piece.direction.y, piece.direction.x);
+            for k in 0..count as usize {
+                let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
+                let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
+                if field.at(&x).0 < -p.inside {
+                    sum += visible / count / p.correlation * self.ratio(self.strength(&x, &normal));
+                }
+            }
+        }
+        sum
+    }
+
+    /// Log of the density of an edge's rank at a true rim over that by chance, which is 1 for every rank.
+    fn ratio(&self, strength: f32) -> f64 {
+        let below = self.chance.partition_point(|&c| c < strength);
+        let rank = (below as f64 + 0.5) / (self.chance.len() as f64 + 1.0);
+        let p = self.parameters;
+        ((1.0 - p.shown) + p.shown * p.sharpness * rank.powf(p.sharpness - 1.0)).ln()
+    }
+
+    /// The strongest edge across a place, within reach along the normal.
+    fn strength(&self, x: &Point, normal: &Vector) -> f32 {
+        let reach = self.parameters.reach * self.pixels;
+        let steps = reach.ceil().max(1.0);
+        let (a, b) = (normal.x as f32, normal.y as f32);
+        let mut most = 0.0f32;
+        for k in -(steps as i64)..=steps as i64 {
+            let q = x.coords * self.pixels + normal * (k as f64 / steps * reach);
+            let (i, j) = (q.x.round(), q.y.round());
+            if i < 0.0 || j < 0.0 || i >= self.picture.width as f64 || j >= self.picture.height as f64 {
+                continue;
+            }
+            let [xx, xy, yy] = self.picture.tensor[j as usize * self.picture.width + i as usize];
+            most = most.max(a * a * xx + 2.0 * a * b * xy + b * b * yy);
+        }
+        most
+    }
+}

@@ -1,0 +1,116 @@
+//! Joint fit: a garment folded virtually is found folded where it was.
+
+mod common;
+
+use common::cases;
+use foldrs::crease::Axis;
+use foldrs::fit::{fit_jointly, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField};
+use foldrs::hypothesis::{Face, Hypothesis};
+use foldrs::parameters::FitParameters;
+use foldrs::registration::PlaneMap;
+use foldrs::{fold, Outline, Point, Segment};
+use nalgebra::{Rotation2, Vector2};
+use proptest::prelude::*;
+
+/// A shirt without mirror symmetry, cm: of a symmetric one either sleeve would do.
+const SHIRT: [[f64; 2]; 12] = [
+    [-9.0, 0.0],
+    [-22.0, 3.0],
+    [-40.0, 24.0],
+    [-30.0, 33.0],
+    [-22.0, 25.0],
+    [-24.0, 70.0],
+    [22.0, 66.0],
+    [20.0, 22.0],
+    [33.0, 29.0],
+    [41.0, 17.0],
+    [21.0, 2.0],
+    [8.0, 1.0],
+];
+
+fn shirt() -> Outline {
+    Outline::new(SHIRT.map(|p| Point::new(p[0], p[1])).to_vec()).unwrap()
+}
+
+/// Axes that turn over the hem, a sleeve's side or the shoulders, the flap on their left.
+fn axis() -> impl Strategy<Value = Segment> {
+    (0.0..std::f64::consts::TAU, 8.0..18.0_f64).prop_map(|(angle, distance)| {
+        let d = Vector2::new(angle.cos(), angle.sin());
+        let foot = Point::new(0.0, 35.0) + Vector2::new(-d.y, d.x) * distance;
+        [foot - d * 100.0, foot + d * 100.0]
+    })
+}
+
+/// A shirt as it lies: its outline, wound positively, the true crease in the outline's direction, and what led there.
+struct Scene {
+    outline: Outline,
+    crease: Segment,
+    axis: Segment,
+}
+
+/// Folds the shirt over an axis and lays it elsewhere; `None` if the line creases it twice, or hardly.
+fn scene(axis: &Segment, turn: f64, mirrored: bool) -> Option<Scene> {
+    let folded = fold(&shirt(), axis).ok()?;
+    let [crease] = folded.creases[..] else { return None };
+    if folded.flap_area() < 150.0 || folded.holes > 0 {
+        return None;
+    }
+    let lay = |p: &Point| {
+        let p = if mirrored { Point::new(-p.x, p.y) } else { *p };
+        Rotation2::new(turn) * p + Vector2::new(12.0, -40.0)
+    };
+    let outline = Outline::new(folded.outline.points.iter().map(lay).collect())
+        .ok()?
+        .positive();
+    // The cloth lies on the outline's left, and the flap was on the axis's left: they run against each other.
+    let mut crease = crease.map(|p| lay(&p));
+    if !mirrored {
+        crease.reverse();
+    }
+    Some(Scene {
+        outline,
+        crease,
+        axis: [folded.creases[0][1], folded.creases[0][0]],
+    })
+}
+
+fn fit(scene: &Scene, mirrored: bool) -> (JointFit, JointFit) {
+    let parameters = FitParameters::default();
+    let template = FlexibleTemplate::new(&shirt(), &[], &parameters);
+    let field = SeenField::new(&scene.outline, parameters.samples, parameters.nodes);
+    let claim = Hypothesis {
+        axis: scene.axis,
+        confidence: 1.0,
+        side: 0,
+        face: if mirrored { Face::Mirrored } else { Face::Seen },
+        map: PlaneMap::identity(),
+    };
+    let start = start_from(&claim, &scene.crease, 1.0).unwrap();
+    let templates = [template];
+    let folded = fit_jointly(&field, &templates, &[(0, start)], &parameters)
+        .remove(0)
+        .1;
+    let middle = scene.outline.centroid();
+    let unfolded = fit_unfolded(&field, &templates[0], middle, 1.0, &parameters).unwrap();
+    (folded, unfolded)
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    #[test]
+    fn a_virtual_fold_is_recovered(axis in axis(), turn in -3.0..3.0_f64, mirrored in any::<bool>()) {
+        let Some(scene) = scene(&axis, turn, mirrored) else { return Ok(()) };
+        let (folded, unfolded) = fit(&scene, mirrored);
+        // The fitted crease has the flap on its left: it runs against the side. Where it ends depends on the
+        // outline there, which the template follows up to its simplification.
+        let simplified = FitParameters::default().simplify * shirt().signed_area().abs().sqrt();
+        let line = Axis::new(&folded.crease).unwrap();
+        for (end, fitted) in [(scene.crease[1], folded.crease[0]), (scene.crease[0], folded.crease[1])] {
+            prop_assert!(line.side(&end).abs() < 0.3, "{:?} found, {:?} true", folded.crease, scene.crease);
+            prop_assert!((end - fitted).norm() < 0.3 + simplified);
+        }
+        prop_assert!(folded.surprise < unfolded.surprise);
+        prop_assert!((folded.scale - 1.0).abs() < 0.02);
+    }
+}

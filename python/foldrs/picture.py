@@ -1,0 +1,47 @@
+"""Colour edges of the picture, for the evidence of rims seen inside the outline (beyond the paper)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from foldrs.parameters import PictureParameters
+
+
+@dataclass(frozen=True, eq=False)
+class ColourEdges:
+    """Where and in which direction the colours of a picture change."""
+
+    tensor: NDArray[np.float32]
+    """(h, w, 3): structure tensor (xx, xy, yy) of the Lab colours of every pixel."""
+    scale: float
+    """Its pixels a pixel of the picture."""
+
+
+def colour_edges(rgb: NDArray[np.uint8], parameters: PictureParameters) -> ColourEdges:
+    """Structure tensor of all colours at once (Di Zenzo 1986), of a picture no larger than it need be.
+
+    Parameters
+    ----------
+    rgb : (h, w, 3) uint8 array
+        The photograph.
+    parameters : PictureParameters
+        Size and blur.
+
+    Returns
+    -------
+    ColourEdges
+    """
+    scale = min(1.0, parameters.longest / max(rgb.shape[:2]))
+    if scale < 1.0:
+        shrunk = cv2.resize(rgb, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+        rgb = np.asarray(shrunk, np.uint8)
+    lab = cv2.cvtColor(rgb.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2Lab)
+    lab = cv2.GaussianBlur(lab, (0, 0), parameters.blur)
+    x = cv2.Scharr(lab, cv2.CV_32F, 1, 0)
+    y = cv2.Scharr(lab, cv2.CV_32F, 0, 1)
+    tensor = np.stack([(x * x).sum(axis=2), (x * y).sum(axis=2), (y * y).sum(axis=2)], axis=2)
+    return ColourEdges(np.ascontiguousarray(tensor, dtype=np.float32), scale)
