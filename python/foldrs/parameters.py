@@ -36,6 +36,8 @@ class OutlineParameters:
     cloth must not set the threshold."""
     least_surprise: float = 5.0
     """Median deviation of the cloth, in the table's spreads, below which there is no garment."""
+    clear_surprise: float = 12.0
+    """The same for what stands out only among the table's own strongest colours (joints, grain)."""
     table_like: float = 2.0
     """Deviation, in the table's spreads, up to which a pixel outside the first guess is table for certain."""
     opening: float = 1.0

@@ -93,11 +93,28 @@ def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Su
 
 
 def _standing_out(deviation: FloatImage, parameters: OutlineParameters) -> Mask:
-    """Otsu's threshold, on a logarithmic scale, or pale cloth would be lost beside dark print."""
+    """Otsu's threshold, on a logarithmic scale, or pale cloth would be lost beside dark print.
+
+    A small garment on a table with joints or a strong grain: the threshold falls within
+    the table's own colours. What stands out among those is then looked for, and must do so clearly.
+    """
     limit = parameters.surprise_limit
-    grey = np.log1p(np.minimum(deviation, limit)) * (255 / np.log1p(limit))
-    _, bright = cv2.threshold(grey.astype(np.uint8), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
-    return tidied(bright > 0, parameters.opening)
+    grey = (np.log1p(np.minimum(deviation, limit)) * (255 / np.log1p(limit))).astype(np.uint8)
+    bright = grey > _otsu(grey)
+    cloth = tidied(bright, parameters.opening)
+    if _median(deviation, cloth) >= parameters.least_surprise:
+        return cloth
+    inner = tidied(bright & (grey > _otsu(grey[bright])), parameters.opening)
+    return inner if _median(deviation, inner) >= parameters.clear_surprise else cloth
+
+
+def _otsu(grey: npt.NDArray[np.uint8]) -> float:
+    threshold, _ = cv2.threshold(grey.reshape(-1, 1), 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    return float(threshold)
+
+
+def _median(deviation: FloatImage, where: Mask) -> float:
+    return float(np.median(deviation[where])) if where.any() else 0.0
 
 
 def _polynomial_terms(shape: tuple[int, ...], degree: int) -> FloatImage:
