@@ -307,6 +307,11 @@ class FittingParameters:
     largest_shift: float = 0.1
     """A corner moves at most this far from where it was registered, as a share of the square root of the
     area: two nearly parallel lines may meet anywhere."""
+    snap: float = 6.0
+    """Template units (cm): as `GraspParameters.snap`, for garments placed by this stage: its corners, each
+    from two straight lines, lie less true than those of the joint fit."""
+    snap_corner: float = 5.0
+    """Template units (cm): as `GraspParameters.snap_corner`, likewise."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
@@ -21,7 +21,7 @@ from foldrs.fitting import fit_iteratively
 from foldrs.joint_fit import fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
-from foldrs.parameters import Parameters
+from foldrs.parameters import GraspParameters, Parameters
 from foldrs.picture import colour_edges
 from foldrs.result import FitResult, FittedTemplate
 from foldrs.stages import FittingPass, fitting_passes
@@ -91,10 +91,13 @@ def fit(
         explanations = [one.explanation for one in fits]
         stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
+        wide = parameters.fitting
+        grasp = replace(parameters.grasp, snap=wide.snap, snap_corner=wide.snap_corner)
     else:
         edges = None if found.rgb is None else colour_edges(found.rgb, parameters.picture)
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, parameters)
         temperature = parameters.alternatives.nats
+        grasp = parameters.grasp
     if not explanations:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "
@@ -106,7 +109,7 @@ def fit(
     return result_of(
         best,
         found.points,
-        parameters,
+        grasp,
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
         timings={"outline": segmented - start, "matching": matched - segmented},
         start=start,
@@ -119,7 +122,7 @@ def fit(
 def result_of(
     explanations: Sequence[Explanation],
     outline: NDArray[np.float64],
-    parameters: Parameters,
+    grasp: GraspParameters,
     *,
     image: str,
     timings: dict[str, float],
@@ -131,7 +134,7 @@ def result_of(
     """Build the result from distinct explanations, the chosen one first."""
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
-    model = FoldedModel(best, px_per_unit, parameters.grasp, outline)
+    model = FoldedModel(best, px_per_unit, grasp, outline)
     return FitResult(
         garment_type=best.template.garment_type,
         accepted=best.accepted,
@@ -139,7 +142,9 @@ def result_of(
         original_matching_cost=best.original_cost,
         outline_image=outline,
         folds=(best.fold,),
-        original_template=FittedTemplate(best.template.outline, best.template.landmarks, best.original_axis),
+        original_template=FittedTemplate(
+            best.template.outline, dict(best.template.landmarks), best.original_axis
+        ),
         template=best.fitted,
         unfolded_outline_image=model.unfolded_outline,
         landmarks=model.landmarks,

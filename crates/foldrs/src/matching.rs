@@ -4,7 +4,7 @@
 
 use crate::alignment::{align, Alignment};
 use crate::crease::Axis;
-use crate::fold::{fold, Folded, FoldedPoint, Layer};
+use crate::fold::{fold, Folded, FoldedPoint};
 use crate::hypothesis::{aggregate, hypotheses, Face, Hypothesis, SampledFace};
 use crate::inner_distance::inner_distances;
 use crate::outline::Side;
@@ -377,9 +377,4 @@ fn map_to_seen(points: &[Point], partner: &[Option<usize>], seen: &Seen, face: F
         map.offset.x = -map.offset.x;
     }
     Some(map)
-}
-
-/// Share of the folded points that lie on the crease; for reports.
-pub fn crease_share(folded: &[FoldedPoint]) -> f64 {
-    folded.iter().filter(|p| p.layer == Layer::Crease).count() as f64 / folded.len().max(1) as f64
 }
