@@ -17,10 +17,12 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
+import foldrs
 from foldrs import _core
 from foldrs import _plot_panels as panels
 from foldrs._plot_labels import place_labels
 from foldrs.errors import ImageNotFoundError, NotAnImageError
+from foldrs.matching_details import matching_details
 from foldrs.plot import MatchingDetails, draw_result, save_picture
 from foldrs.result import (
     Alternative,
@@ -396,3 +398,19 @@ def test_no_points_have_no_names() -> None:
     assert place_labels(
         np.empty((0, 2)), np.empty((0, 2)), np.empty((0, 2)), np.zeros(2), np.ones(2)
     ).shape == (0, 2)
+
+
+def test_the_details_of_a_fit_are_pieces_of_both_outlines():
+    """Pieces matched run along the seen outline and along the template as given."""
+    template = builtin_templates("pants")[0]
+    laid = to_image(template.outline)
+    axis = np.array([[-40.0, 30.0], [40.0, 38.0]])
+    seen = _core.fold_layers(laid, to_image(axis)).outline
+    result = foldrs.fit(seen, garment_type="pants")
+    details = matching_details(result)
+    assert len(details.sides) > 3
+    assert 1 <= len(details.matches) <= 3
+    for on_seen, on_template in details.matches:
+        assert len(on_seen) == len(on_template) >= 14
+        assert _core.nearest_on_outline(result.outline_image, on_seen)[1].max() < 1e-6
+        assert _core.nearest_on_outline(template.outline, on_template)[1].max() < 1e-6

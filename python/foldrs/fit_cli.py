@@ -55,9 +55,10 @@ class FitJob:
         )
         if self.out is not None:
             if self.plot:
-                from foldrs.plot import MatchingDetails, save_picture
+                from foldrs.matching_details import matching_details
+                from foldrs.plot import save_picture
 
-                details = MatchingDetails(sides=result.candidate_creases)
+                details = matching_details(result)
                 save_picture(result, image, self.out / f"{image.stem}.png", details=details)
             if self.plot_stages:
                 from foldrs.stages_plot import save_stages
