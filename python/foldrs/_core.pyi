@@ -269,9 +269,6 @@ class JointExplanation:
     def template(self) -> int:
         """Index of the template."""
     @property
-    def original_axis(self) -> _Points:
-        """Axis (2, 2) claimed on the template as given, where the fit started."""
-    @property
     def outline(self) -> _Points:
         """Corners of the fitted template, template units, in the order of the template given."""
     @property

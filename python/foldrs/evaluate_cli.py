@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from foldrs._options import px_per_cm_option, template_option
 from foldrs.errors import FoldrsError
 
 if TYPE_CHECKING:
@@ -33,14 +34,8 @@ _WIDTH = 110
     help="synthetic: templates folded virtually, no SCENES read; own: each garment's own flat outline is its "
     "template; generic: the kind is given; open: all templates compete.",
 )
-@click.option(
-    "--template",
-    "templates",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    help="Template file to use instead of the built-in ones; may be repeated.",
-)
-@click.option("--px-per-cm", type=float, help="Known scale; without it the scale is found.")
+@template_option
+@px_per_cm_option
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
 @click.option(
     "--outlines", is_flag=True, help="Use the true outlines, not the photographs: the matching alone."

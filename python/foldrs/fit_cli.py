@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from foldrs._options import px_per_cm_option, template_option
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
@@ -107,14 +108,8 @@ def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Fo
 @click.command("fit", cls=FitCommand)
 @click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="IMAGE...")
 @click.option("--type", "garment_type", metavar="KIND", help="Match templates of this kind only.")
-@click.option(
-    "--template",
-    "templates",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    help="Template file to use instead of the built-in ones; may be repeated.",
-)
-@click.option("--px-per-cm", type=float, help="Known scale; without it the scale is found.")
+@template_option
+@px_per_cm_option
 @click.option(
     "--folds",
     default="1",

@@ -186,6 +186,9 @@ class JointFitParameters:
     """Spread of the logarithm of the garment's size about the template's, where the scale is known."""
     free_growth: float = 0.25
     """The same where the scale is unknown."""
+    hidden: float = 1.3
+    """Area of the garment over the area seen, where the scale is unknown: one fold hides between nothing and
+    half."""
     turn: float = 2.0
     """Radians: spread of the pose's turn; any."""
     offset: float = 50.0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from foldrs._options import template_option
 from foldrs.errors import FoldrsError, ParameterError
 
 if TYPE_CHECKING:
@@ -30,13 +31,7 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
 @click.option(
     "--type", "kinds", multiple=True, metavar="KIND", help="Garments of this kind only; may be repeated."
 )
-@click.option(
-    "--template",
-    "templates",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    help="Template file to use instead of the built-in ones; may be repeated.",
-)
+@template_option
 @click.option(
     "--outlines",
     type=click.Path(path_type=Path, dir_okay=False),

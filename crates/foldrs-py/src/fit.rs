@@ -4,7 +4,7 @@ use crate::convert::{array, outline, points};
 use crate::matching::{map_array, PySeen};
 use foldrs::fit::{explain_jointly, FlexibleTemplate, JointExplanation, Picture};
 use foldrs::matching::claim_axes;
-use foldrs::{Outline, Point, Segment};
+use foldrs::{Outline, Point};
 use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -38,56 +38,48 @@ impl PyFlexibleTemplate {
 
 /// A template fitted jointly with its crease.
 #[pyclass(frozen, module = "foldrs._core", name = "JointExplanation")]
-pub(crate) struct PyJointExplanation {
-    fit: JointExplanation,
-    original_axis: Segment,
-}
+pub(crate) struct PyJointExplanation(JointExplanation);
 
 #[pymethods]
 impl PyJointExplanation {
     #[getter]
     fn template(&self) -> usize {
-        self.fit.template
-    }
-
-    #[getter]
-    fn original_axis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.original_axis)
+        self.0.template
     }
 
     #[getter]
     fn outline<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.fit.outline)
+        array(py, &self.0.outline)
     }
 
     #[getter]
     fn axis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.fit.axis)
+        array(py, &self.0.axis)
     }
 
     #[getter]
     fn crease<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.fit.crease)
+        array(py, &self.0.crease)
     }
 
     #[getter]
     fn to_seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        map_array(py, &self.fit.to_seen)
+        map_array(py, &self.0.to_seen)
     }
 
     #[getter]
     fn flap_on_top(&self) -> f64 {
-        self.fit.rim.flap_on_top
+        self.0.rim.flap_on_top
     }
 
     #[getter]
     fn picture_gain(&self) -> f64 {
-        self.fit.rim.gain
+        self.0.rim.gain
     }
 
     #[getter]
     fn surprise(&self) -> f64 {
-        self.fit.surprise
+        self.0.surprise
     }
 }
 
@@ -119,12 +111,10 @@ pub(crate) fn fit_jointly(
             picture.as_ref(),
             &seen.parameters,
         );
-        let folds = fits.folds.into_iter();
-        let told = folds.map(|fit| PyJointExplanation {
-            original_axis: claims[fit.claim].hypothesis.axis,
-            fit,
-        });
-        (told.collect(), fits.unfolded)
+        (
+            fits.folds.into_iter().map(PyJointExplanation).collect(),
+            fits.unfolded,
+        )
     });
     Ok(fits)
 }

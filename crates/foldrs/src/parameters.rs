@@ -170,6 +170,8 @@ pub struct FitParameters {
     pub growth: f64,
     /// The same where the scale is unknown.
     pub free_growth: f64,
+    /// Area of the garment over the area seen, where the scale is unknown: one fold hides between nothing and half.
+    pub hidden: f64,
     /// Spread of the pose's turn, in radians: any.
     pub turn: f64,
     /// Spread of the pose's offset: anywhere on the table.
@@ -224,6 +226,7 @@ impl Default for FitParameters {
             asymmetry: 0.05,
             growth: 0.15,
             free_growth: 0.25,
+            hidden: 1.3,
             turn: 2.0,
             offset: 50.0,
             shift: 0.5,

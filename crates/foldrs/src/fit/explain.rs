@@ -60,8 +60,7 @@ pub fn explain_jointly(
     }
     let area = seen.outline().signed_area().abs();
     let mean_unit = templates.iter().map(|t| t.area.sqrt()).sum::<f64>() / templates.len() as f64;
-    // One fold hides between nothing and half of the garment: on the average the seen area is 1 / 1.3 of it.
-    let working = scale.unwrap_or((1.3 * area).sqrt() / mean_unit);
+    let working = scale.unwrap_or((parameters.hidden * area).sqrt() / mean_unit);
     let Some(outline) = scaled(seen.outline(), 1.0 / working) else {
         return found;
     };
@@ -83,7 +82,7 @@ pub fn explain_jointly(
         if tried[t] > parameters.starts {
             continue;
         }
-        let expected = scale.map_or(ratio(1.3 * field.area, templates[t].area), |_| 1.0);
+        let expected = scale.map_or(ratio(parameters.hidden * field.area, templates[t].area), |_| 1.0);
         let Some(side) = seen.sides().get(claim.hypothesis.side) else {
             continue;
         };
