@@ -45,6 +45,6 @@ def with_probabilities(explanations: Sequence[Explanation], temperature: float) 
     cost = np.array([e.cost for e in explanations])
     weight = np.exp(-(cost - cost.min()) / temperature)
     return tuple(
-        Alternative(e.template.garment_type, float(p), e.fold, e.fitted)
+        Alternative(e.template.garment_type, float(p), e.fold, e.fitted, e.outline_image)
         for e, p in zip(explanations, weight / weight.sum(), strict=True)
     )

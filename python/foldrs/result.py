@@ -10,7 +10,8 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -106,6 +107,8 @@ class Alternative:
     probability: float
     fold: Fold
     template: FittedTemplate
+    unfolded_outline_image: Points
+    """(n, 2) px: the garment unfolded again where it lies, as this explanation has it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +198,7 @@ class FitResult:
                     "probability": a.probability,
                     "fold": {"axis_image": _plain(a.fold.axis_image)},
                     "template": _template(a.template),
+                    "unfolded_outline_image": _plain(a.unfolded_outline_image),
                 }
                 for a in self.alternatives
             ],
@@ -207,16 +211,24 @@ class FitResult:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that no reader ever sees a part of it: beside its place first, then moved there."""
+    """Write a file so that no reader ever sees a part of it."""
+    with written_whole(path) as draft:
+        draft.write_bytes(content)
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Give a file beside `path` to write to, and move it there at the end; on an exception nothing is left."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    os.close(handle)
+    draft = Path(name)
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
+        yield draft
         # A temporary file is its owner's alone; the result is to be as readable as any file made here.
-        Path(name).chmod(0o666 & ~_UMASK)
-        Path(name).replace(path)
+        draft.chmod(0o666 & ~_UMASK)
+        draft.replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        draft.unlink(missing_ok=True)
         raise
 
 
