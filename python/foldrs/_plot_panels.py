@@ -167,14 +167,15 @@ def folded_layers(result: FitResult) -> _core.FoldedLayers | None:
     """Fold the garment of the result fold by fold: the layers of the last; None if it folds nothing."""
     layers, outline = None, result.unfolded_outline_image
     for fold in result.folds:
-        layers = _fold(outline, fold.axis_image)
+        layers = fold_once(outline, fold.axis_image)
         if layers is None:
             return None
         outline = layers.outline
     return layers
 
 
-def _fold(outline: Points, axis: Points) -> _core.FoldedLayers | None:
+def fold_once(outline: Points, axis: Points) -> _core.FoldedLayers | None:
+    """Fold an outline over an axis; None if that folds nothing."""
     # An axis may miss its outline by a hair after rounding or fitting: then there is nothing to shade.
     try:
         return _core.fold_layers(outline, axis)
@@ -185,7 +186,7 @@ def _fold(outline: Points, axis: Points) -> _core.FoldedLayers | None:
 def _draw_layers_unfolded(ax: Axes, template: FittedTemplate) -> None:
     """Shade the kept part and the flap of a template, the flap turned back."""
     ax.fill(*template.outline.T, color="white", linewidth=0, zorder=0.5)
-    if layers := _fold(template.outline, template.axis):
+    if layers := fold_once(template.outline, template.axis):
         pens.fill(ax, layers.kept, KEPT, 0.35)
         pens.fill(ax, [_core.reflect(piece, template.axis) for piece in layers.flap], FLAP, 0.5)
 

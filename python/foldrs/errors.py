@@ -66,5 +66,9 @@ class NoHypothesisError(FoldrsError):
     """No template offers a single fold that could be compared with the outline."""
 
 
+class MissingExtraError(FoldrsError, ImportError):
+    """What was asked for needs a package that is installed only on demand."""
+
+
 class GarmentCutOffWarning(UserWarning):
     """The garment touches the border of the picture a little: its outline may be cut there."""

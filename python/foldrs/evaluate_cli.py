@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
 
-from foldrs._options import px_per_cm_option, template_option
+from foldrs._options import px_per_cm_option, report_option, template_option
 from foldrs.errors import FoldrsError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from foldrs.evaluation import Evaluation, Scene, SceneMeasures
+    from foldrs.result import FitResult
     from foldrs.template import Template
 
     Scenes = Sequence[Scene] | Sequence[tuple[Scene, Template]]
@@ -52,6 +54,7 @@ _WIDTH = 110
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder for evaluation.csv, evaluation.json and the predictions, NAME.json.",
 )
+@report_option
 def evaluate_command(
     scenes: Path | None,
     protocol: Literal["synthetic", "own", "generic", "open"],
@@ -63,6 +66,7 @@ def evaluate_command(
     seed: int,
     jobs: int | None,
     out: Path | None,
+    report: Path | None,
 ) -> None:
     """Measure how well folds are found, and print Tables 1 and 2 of the paper, per kind and overall.
 
@@ -87,10 +91,15 @@ def evaluate_command(
             found = load_scenes(scenes)
     except FoldrsError as error:
         raise click.ClickException(str(error)) from error
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
+    for folder in (out, report and report.parent):
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
 
-    rows = _run(Evaluation(protocol, chosen, px_per_cm, method, outlines, out), found, jobs)
+    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, out)
+    if report is None:
+        rows = _run(evaluation, found, jobs)
+    else:
+        rows = _run_with_page(evaluation, found, jobs, report)
     console = Console()
     print_tables(rows, console if console.is_terminal else Console(width=_WIDTH))
     for row in rows:
@@ -102,6 +111,23 @@ def evaluate_command(
             options |= {"count": count, "seed": seed}
         write_csv(rows, out / "evaluation.csv")
         write_json(rows, options, out / "evaluation.json")
+
+
+def _run_with_page(
+    evaluation: Evaluation, scenes: Scenes, jobs: int | None, path: Path
+) -> list[SceneMeasures]:
+    """As :func:`_run`, and write the page of all scenes by name."""
+    from foldrs.report import Report
+
+    title = f"Evaluation: protocol {evaluation.protocol}, method {evaluation.method}"
+    names = sorted((one[0] if isinstance(one, tuple) else one).name for one in scenes)
+    place = {name: position for position, name in enumerate(names)}
+    with Report(path, title) as page:
+
+        def add(scene: Scene, result: FitResult | None, row: SceneMeasures) -> None:
+            page.add(result, scene.image, scene=scene, measures=row, position=place[scene.name])
+
+        return _run(replace(evaluation, watch=add), scenes, jobs)
 
 
 def _run(evaluation: Evaluation, scenes: Scenes, jobs: int | None) -> list[SceneMeasures]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from foldrs._options import px_per_cm_option, template_option
+from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
@@ -132,6 +132,8 @@ def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Fo
     help="Or --plot stages: as --plot, and also STEM.stages.png with every stage of the published method, "
     "which is run for that picture too if --method is best. Name an image stages as ./stages.",
 )
+@report_option
+@rerun_option
 @click.option("--timings", is_flag=True, help="Also print the seconds of every stage.")
 @click.option("--jobs", type=click.IntRange(1), help="Images and hypotheses at a time; default: all cores.")
 def fit_command(
@@ -145,6 +147,8 @@ def fit_command(
     out: Path | None,
     plot: bool,
     plot_stages: bool,
+    report: Path | None,
+    rerun: Path | None,
     timings: bool,
     jobs: int | None,
 ) -> None:
@@ -152,6 +156,7 @@ def fit_command(
 
     A bad image does not stop the others: it is reported, and the exit status is 1 at the end.
     """
+    from foldrs.fit_outputs import open_outputs
     from foldrs.pipeline import check_folds, check_scale, choose_templates
 
     if mask is not None and len(images) > 1:
@@ -168,17 +173,20 @@ def fit_command(
             suffixes = (".json", *((".png",) if plot else ()), *((_STAGES_SUFFIX,) if plot_stages else ()))
             _check_outputs(images, out, suffixes, read)
             out.mkdir(parents=True, exist_ok=True)
+        outputs = open_outputs(images, report, rerun)
     except (FoldrsError, OSError) as error:
         raise click.ClickException(str(error)) from error
 
     job = FitJob(chosen, px_per_cm, folds, method, mask, out, plot, plot_stages)
     failed = 0
-    with _warnings_name_the_image():
+    with _warnings_name_the_image(), outputs as show:
         for image, outcome in _run_all(job, images, jobs):
             if isinstance(outcome, BaseException):
                 failed += 1
                 click.secho(f"{image}: {_reason(outcome)}", fg="red", err=True)
+                show(image, None, _reason(outcome))
                 continue
+            show(image, outcome)
             click.echo(_line(image, outcome))
             if timings:
                 stages = ", ".join(f"{stage} {seconds:.3f} s" for stage, seconds in outcome.timings.items())

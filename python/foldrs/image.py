@@ -5,6 +5,7 @@ A photograph is (h, w, 3) uint8 RGB, a mask (h, w) bool with True for cloth; bot
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -17,6 +18,8 @@ from .errors import ImageNotFoundError, NotAnImageError
 RgbImage: TypeAlias = npt.NDArray[np.uint8]
 Mask: TypeAlias = npt.NDArray[np.bool_]
 AnyArray: TypeAlias = npt.NDArray[Any]
+Source: TypeAlias = str | os.PathLike[str] | npt.ArrayLike | None
+"""What a photograph may be given as; None where there is none."""
 
 _JPEG_MAGIC = b"\xff\xd8"
 
@@ -44,6 +47,27 @@ def read_image(path: str | Path) -> RgbImage:
         The file is no image OpenCV can decode.
     """
     return as_rgb(_decode(Path(path)))
+
+
+def read_any(source: Source) -> RgbImage | None:
+    """Bring a photograph, given as a path or an array, into (h, w, 3) uint8 RGB; None if none is given.
+
+    Raises
+    ------
+    ImageNotFoundError, NotAnImageError
+        As :func:`read_image` and :func:`as_rgb`.
+    """
+    if source is None:
+        return None
+    return read_image(Path(source)) if isinstance(source, (str, os.PathLike)) else as_rgb(source)
+
+
+def read_if_any(source: Source) -> RgbImage | None:
+    """As :func:`read_any`, but None if it is no image: to show what failed, which may be the reason."""
+    try:
+        return read_any(source)
+    except (NotAnImageError, OSError):
+        return None
 
 
 def read_mask(path: str | Path) -> Mask:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _plot_panels as panels
-from foldrs.image import RgbImage, as_rgb, read_image
+from foldrs.image import as_rgb, read_any
 from foldrs.result import FitResult, write_whole
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def save_picture(
     NotAnImageError
         `image` cannot be read as an image.
     """
-    photo = _read(image)
+    photo = read_any(image)
     pixels = io.BytesIO()
     with _drawing:
         figure = draw_result(result, photo, details=details)
@@ -152,12 +152,6 @@ def save_picture(
     rgba = np.frombuffer(pixels.getvalue(), np.uint8).reshape(_HEIGHT, _WIDTH, 4)
     _, png = cv2.imencode(".png", rgba[:, :, 2::-1])
     write_whole(Path(path), png.tobytes())
-
-
-def _read(image: str | os.PathLike[str] | ArrayLike | None) -> RgbImage | None:
-    if image is None:
-        return None
-    return read_image(Path(image)) if isinstance(image, (str, os.PathLike)) else as_rgb(image)
 
 
 def _draw_heading(figure: Figure, result: FitResult, details: MatchingDetails) -> None:

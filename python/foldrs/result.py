@@ -218,7 +218,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a file beside `path` to write to, and move it there at the end; on an exception nothing is left."""
+    """Give a file beside `path` to write to, and move it there at the end; an exception leaves nothing."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     os.close(handle)
     draft = Path(name)

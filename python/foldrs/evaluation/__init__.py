@@ -12,7 +12,7 @@ The geometry is shapely's, not the compiled module's: a yardstick shares no code
 
 from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import SceneMeasures, failed, measure
-from foldrs.evaluation.report import print_tables, write_csv, write_json
+from foldrs.evaluation.report import TextTable, print_tables, text_tables, write_csv, write_json
 from foldrs.evaluation.run import PROTOCOLS, Evaluation, Protocol, run_all
 from foldrs.evaluation.scenes import Scene, TrueLandmark, load_scenes
 from foldrs.evaluation.tables import Summary, summary, table
@@ -26,6 +26,7 @@ __all__ = [
     "Scene",
     "SceneMeasures",
     "Summary",
+    "TextTable",
     "TrueLandmark",
     "failed",
     "load_scenes",
@@ -34,6 +35,7 @@ __all__ = [
     "run_all",
     "summary",
     "table",
+    "text_tables",
     "virtual_scenes",
     "write_csv",
     "write_json",

@@ -7,6 +7,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from foldrs.evaluation.measures import SceneMeasures
-from foldrs.evaluation.tables import OVERALL, Summary, table
+from foldrs.evaluation.tables import Summary, table
 from foldrs.result import write_whole
 
 Column = tuple[str, Callable[[Summary], str]]
@@ -63,11 +64,35 @@ _TABLES = (
 )
 
 
+@dataclass(frozen=True)
+class TextTable:
+    """A table in words: its cells as they are shown."""
+
+    title: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    """One a kind, the last of all scenes."""
+
+
+def text_tables(rows: Sequence[SceneMeasures]) -> list[TextTable]:
+    """Table 1, Table 2 and the further measures, per kind and overall."""
+    summaries = table(rows)
+    return [
+        TextTable(
+            title,
+            ("Type", *(name for name, _ in columns)),
+            tuple(
+                (kind.capitalize(), *(cell(one) for _, cell in columns)) for kind, one in summaries.items()
+            ),
+        )
+        for title, columns in _TABLES
+    ]
+
+
 def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
     """Print Table 1, Table 2 and the further measures, per kind and overall."""
-    summaries = table(rows)
-    for title, columns in _TABLES:
-        console.print(_rich_table(title, columns, summaries))
+    for one in text_tables(rows):
+        console.print(_rich_table(one))
 
 
 def write_csv(rows: Sequence[SceneMeasures], path: Path) -> None:
@@ -91,15 +116,17 @@ def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: 
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())
 
 
-def _rich_table(title: str, columns: Sequence[Column], summaries: Mapping[str, Summary]) -> Table:
-    shown = Table(title=title, title_justify="left")
-    shown.add_column("Type")
-    for name, _ in columns:
+def _rich_table(content: TextTable) -> Table:
+    shown = Table(title=content.title, title_justify="left")
+    kind, *measures = content.header
+    shown.add_column(kind)
+    for name in measures:
         shown.add_column(name, justify="right", no_wrap=True)
-    for kind, one in summaries.items():
-        if kind == OVERALL:
-            shown.add_section()
-        shown.add_row(kind.capitalize(), *(cell(one) for _, cell in columns))
+    *kinds, overall = content.rows
+    for row in kinds:
+        shown.add_row(*row)
+    shown.add_section()
+    shown.add_row(*overall)
     return shown
 
 

@@ -10,11 +10,11 @@ open       nothing is known: all templates compete
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import SceneMeasures, failed, measure
 from foldrs.evaluation.scenes import Scene
 from foldrs.pipeline import Method, fit
+from foldrs.result import FitResult
 from foldrs.template import Template
 
 Protocol: TypeAlias = Literal["synthetic", "own", "generic", "open"]
@@ -45,18 +46,24 @@ class Evaluation:
     """Give the true outline instead of the photograph: the matching alone, without the segmentation."""
     out: Path | None = None
     """Folder for the predictions, NAME.json each."""
+    watch: Callable[[Scene, FitResult | None, SceneMeasures], None] | None = None
+    """Is shown every scene measured, from several threads; the result is None where there is none."""
 
     def run(self, scene: Scene, itself: Template | None = None) -> SceneMeasures:
         """Fit one scene, write its prediction and measure it; `itself` is what a synthetic scene folds."""
-        row = failed(scene, "")
+        row, result = failed(scene, ""), None
         try:
             competing, kind = self._competing(scene, itself)
             of_kind = [template for template in competing if template.garment_type == scene.garment_type]
             row = replace(row, template_distance_cm=template_distance(scene, of_kind, kind))
-            measured = measure(scene, self._predict(scene, competing), kind)
-            return replace(measured, template_distance_cm=row.template_distance_cm)
+            result = self._predict(scene, competing)
+            measured = measure(scene, result.to_dict(), kind)
+            row = replace(measured, template_distance_cm=row.template_distance_cm)
         except FoldrsError as error:
-            return replace(row, error=str(error))
+            row = replace(row, error=str(error))
+        if self.watch is not None:
+            self.watch(scene, result, row)
+        return row
 
     def _competing(self, scene: Scene, itself: Template | None) -> tuple[list[Template], Kind]:
         """Return the templates that compete for a scene, and what there is to know of its kind."""
@@ -68,8 +75,8 @@ class Evaluation:
         competing = list(self.templates) if self.protocol == "open" else of_kind
         return competing, Kind.of(of_kind, scene.landmarks)
 
-    def _predict(self, scene: Scene, competing: Sequence[Template]) -> dict[str, Any]:
-        """Return the JSON form of the result; it replaces what an earlier run has written."""
+    def _predict(self, scene: Scene, competing: Sequence[Template]) -> FitResult:
+        """Fit a scene; the JSON form of the result replaces what an earlier run has written."""
         path = None if self.out is None else self.out / f"{scene.name}.json"
         if path is not None:
             path.unlink(missing_ok=True)
@@ -82,7 +89,7 @@ class Evaluation:
         )
         if path is not None:
             result.save(path)
-        return result.to_dict()
+        return result
 
 
 def run_all(

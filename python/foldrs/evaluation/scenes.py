@@ -3,8 +3,8 @@
 A folder of scenes holds NAME.json, the ground truth, and NAME.jpg or another image format. The fields read
 are ``type``, ``px_per_cm``, ``axis_garment``, ``outline_garment``, ``outline_image``, ``unfolded_image`` and
 ``landmarks`` (NAME: ``garment``, ``image``, ``on_outline``, ``accessible``); of scenes folded twice also
-``second_fold.axis_image`` and ``creases_image``; ``garment`` and ``scenario`` for the record. The garment
-frame is the unfolded garment, the image frame the picture; both in px of one scale.
+``second_fold.axis_image`` and ``creases_image``; ``garment`` and ``scenario`` for the record, ``axis_image``
+to be drawn. The garment frame is the unfolded garment, the image frame the picture; both in px of one scale.
 """
 
 from __future__ import annotations
@@ -63,6 +63,8 @@ class Scene:
     """(2, 2) px each: of a scene folded twice the creases seen in the image; empty for one fold."""
     image: Path | None = None
     """The photograph; None if the outline is all there is."""
+    axis_image: Points | None = None
+    """(2, 2) px: the axis in the image, to be drawn; None if the truth does not tell."""
 
     @property
     def folded_twice(self) -> bool:
@@ -121,6 +123,7 @@ def scene_from_truth(truth: Mapping[str, Any], path: Path) -> Scene:
             },
             creases=tuple(_points(crease, 2) for crease in creases),
             image=_image_beside(path),
+            axis_image=_points(truth["axis_image"], 2) if "axis_image" in truth else None,
         )
     except KeyError as error:
         raise ParameterError(f"{path}: not the ground truth of a scene, field {error} is missing") from error

@@ -65,6 +65,7 @@ def _folded(template: Template, name: str, seed: int, number: int) -> Scene:
         outline_image=_apply(pose, layers.outline),
         unfolded_image=_apply(pose, template.outline),
         landmarks=_landmarks(template, layers, axis, pose),
+        axis_image=_apply(pose, axis),
     )
 
 

@@ -1,0 +1,223 @@
+"""The page: one HTML file with everything in it, written image by image."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import jinja2
+from markupsafe import Markup
+
+from foldrs import __version__
+from foldrs.image import Source, read_any, read_if_any
+from foldrs.report.columns import Value, columns, values
+from foldrs.report.drawing import draw
+from foldrs.report.layers import LAYERS, TRUE
+from foldrs.result import FitResult, written_whole
+
+if TYPE_CHECKING:
+    from foldrs.evaluation import Scene, SceneMeasures
+
+_environment = jinja2.Environment(
+    loader=jinja2.PackageLoader("foldrs.report", "assets"),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """An image of the page: what it is sorted and filtered by, and where its part of the page is kept."""
+
+    values: dict[str, Value]
+    offset: int
+    length: int
+
+
+class Report:
+    """A page of results, :class:`~foldrs.result.FitResult`, that grows image by image.
+
+    Use it in a ``with`` block: the page is written when the block ends, whole or, if an exception ends it,
+    not at all. Until then the images' parts wait in a temporary file, so that memory does not grow with
+    them. All methods may be called from several threads at once.
+
+    Parameters
+    ----------
+    path : path
+        The HTML file to write.
+    title : str
+        Heading of the page.
+
+    Examples
+    --------
+    >>> from foldrs.report import Report
+    >>> with Report("report.html") as page:  # doctest: +SKIP
+    ...     for path in paths:
+    ...         page.add(foldrs.fit(path), path)
+    """
+
+    def __init__(self, path: str | os.PathLike[str], title: str = "Folded garments") -> None:
+        self.path = Path(path)
+        self.title = title
+        self._entries: dict[int, _Entry] = {}
+        self._measures: dict[int, SceneMeasures] = {}
+        self._parts = tempfile.TemporaryFile()  # noqa: SIM115 - closed by __exit__
+        self._lock = threading.Lock()
+
+    def add(
+        self,
+        result: FitResult | None,
+        image: Source = None,
+        *,
+        name: str = "",
+        error: str = "",
+        scene: Scene | None = None,
+        measures: SceneMeasures | None = None,
+        position: int | None = None,
+    ) -> None:
+        """Add an image: its picture in layers, its explanations, its numbers.
+
+        Parameters
+        ----------
+        result : FitResult, optional
+            What was found; None if the image could not be explained.
+        image : path or image array, optional
+            The photograph; without it the layers are drawn on a plain background.
+        name : str
+            Its name on the page; default: the result's `image`, or that of the scene.
+        error : str
+            Why there is no result.
+        scene, measures : Scene and SceneMeasures, optional
+            The truth, and how near the result comes to it (:mod:`foldrs.evaluation`).
+        position : int, optional
+            Place in the order of the page; default: after all images added before. An image added at the
+            place of another replaces it.
+
+        Raises
+        ------
+        ImageNotFoundError
+            There is no file `image`; only if there is a result.
+        NotAnImageError
+            `image` cannot be read as an image; only if there is a result.
+        """
+        name = name or (result.image if result else "") or (scene.name if scene else "") or "unnamed"
+        photo = read_any(image) if result is not None else read_if_any(image)
+        told = values(name, result, measures)
+        drawing = draw(result, photo, scene)
+        with self._lock:
+            number = position if position is not None else max(self._entries, default=-1) + 1
+            self._entries[number] = _Entry(told, 0, 0)  # takes the place
+        card = _environment.get_template("card.html").render(
+            number=number,
+            values=told,
+            columns=columns(measures is not None),
+            drawing=drawing,
+            timings=dict(result.timings) if result else {},
+            error=error or (measures.error if measures else ""),
+        )
+        part = card.encode()
+        with self._lock:
+            offset = self._parts.seek(0, os.SEEK_END)
+            self._parts.write(part)
+            self._entries[number] = _Entry(told, offset, len(part))
+            if measures is not None:
+                self._measures[number] = measures
+
+    def write(self) -> None:
+        """Write the page with all images added so far, whole or not at all."""
+        order = sorted(self._entries)
+        entries = [self._entries[number] for number in order]
+        measures = [self._measures[number] for number in sorted(self._measures)]
+        page = _environment.get_template("page.html").generate(
+            title=self.title,
+            version=__version__,
+            layers=[layer for layer in LAYERS if layer != TRUE or measures],
+            columns=columns(bool(measures)),
+            numbers=order,
+            entries=[entry.values for entry in entries],
+            kinds=sorted(
+                {str(entry.values.get("true_kind") or entry.values["kind"] or "") for entry in entries}
+            ),
+            values={number: entry.values for number, entry in zip(order, entries, strict=True)},
+            tables=_tables(measures),
+            cards=self._cards(entries),
+            style=_asset("page.css"),
+            script=_asset("page.js"),
+        )
+        with written_whole(self.path) as draft, draft.open("w", encoding="utf-8", newline="\n") as file:
+            file.writelines(page)
+
+    def _cards(self, entries: Iterable[_Entry]) -> Iterator[Markup]:
+        for entry in entries:
+            self._parts.seek(entry.offset)
+            yield Markup(self._parts.read(entry.length).decode())
+
+    def __enter__(self) -> Report:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                self.write()
+        finally:
+            self._parts.close()
+
+
+def write(
+    results: Iterable[FitResult],
+    path: str | os.PathLike[str],
+    *,
+    images: Iterable[Source] | None = None,
+    title: str = "Folded garments",
+) -> None:
+    """Write results as one HTML page that needs nothing else, neither files nor a network.
+
+    Parameters
+    ----------
+    results : iterable of FitResult
+        What to show; taken one by one, so a generator that fits while the page is made will do.
+    path : path
+        The HTML file to write, whole or not at all.
+    images : iterable of paths or image arrays, optional
+        The photograph of every result; None draws on a plain background.
+    title : str
+        Heading of the page.
+
+    Raises
+    ------
+    ImageNotFoundError, NotAnImageError
+        An image cannot be read.
+    ValueError
+        There are more results than images, or fewer.
+    """
+    with Report(path, title) as page:
+        if images is None:
+            for result in results:
+                page.add(result)
+        else:
+            for result, image in zip(results, images, strict=True):
+                page.add(result, image)
+
+
+def _tables(measures: Sequence[SceneMeasures]) -> list[object]:
+    """Return Tables 1 and 2 of the paper and the further measures, if there is anything to measure by."""
+    if not measures:
+        return []
+    from foldrs.evaluation import text_tables  # loads shapely
+
+    return list(text_tables(measures))
+
+
+def _asset(name: str) -> Markup:
+    return Markup((files("foldrs.report") / "assets" / name).read_text(encoding="utf-8"))
