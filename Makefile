@@ -74,14 +74,21 @@ wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/
 picture: demo ## Draw the picture of the README: docs/images/demo.webp
 	$(BIN)/python docs/draw_picture.py
 
+.PHONY: picture-report
+picture-report: $(VENV)/.built ## Draw the picture of the page of results: docs/images/report.webp (needs Chromium)
+	$(BIN)/python docs/draw_report.py
+
 .PHONY: licences
 licences: $(VENV)/.built ## List the licences of all dependencies: docs/licences.md
 	$(BIN)/python docs/list_licences.py > docs/licences.md
 
 .PHONY: lock
-lock: ## Pin the newest versions of all tools: requirements-dev.lock (needs uv)
+lock: ## Pin the newest versions of all tools: requirements-dev.lock, requirements-rerun.lock (needs uv)
 	uv pip compile pyproject.toml --extra dev --extra docs --universal --python-version 3.10 --upgrade \
 	    --no-emit-index-url --custom-compile-command "make lock" --quiet --output-file requirements-dev.lock
+	uv pip compile pyproject.toml --extra rerun --universal --python-version 3.10 --upgrade --no-annotate \
+	    --constraints requirements-dev.lock --no-emit-index-url --custom-compile-command "make lock" --quiet \
+	    --output-file requirements-rerun.lock
 
 .PHONY: clean
 clean: ## Remove all that was made here
