@@ -137,15 +137,25 @@ def test_a_page_may_have_no_images(tmp_path: Path) -> None:
     assert read(tmp_path / "page.html").open == []
 
 
-def test_a_result_without_grasp_pair_landmarks_or_fold_can_be_drawn(photo: Photo) -> None:
+def test_a_result_without_grasp_pair_landmarks_or_fold_can_be_drawn(photo: Photo, tmp_path: Path) -> None:
     result = exact_result()
     off = replace(result.fold, axis_image=result.fold.axis_image + 1e4)
-    bare = replace(result, grasp_pairs=(), landmarks={}, folds=(off,), accepted=False)
+    bare = replace(
+        result,
+        grasp_pairs=(),
+        landmarks={},
+        folds=(off,),
+        accepted=False,
+        alternatives=(),
+        matching_cost=np.inf,
+    )
     drawing = draw(bare, photo, None)
     assert drawing is not None
     assert drawing.names == drawing.grasp == drawing.moves == ()
     assert drawing.explanations[0].kept == ""
     assert draw(None, None, None) is None
+    write([bare], tmp_path / "page.html")
+    assert len(read(tmp_path / "page.html").having("article")) == 1
 
 
 def test_the_photograph_lies_under_what_is_drawn_on_it(photo: Photo) -> None:

@@ -48,7 +48,7 @@ def verdict(result: FitResult | None, measures: SceneMeasures | None) -> str:
 
 _OF_RESULTS: tuple[tuple[Column, Callable[[FitResult], Value]], ...] = (
     (Column("kind", "kind"), lambda r: r.garment_type),
-    (Column("probability", "probability (%)", 0), lambda r: 100 * r.alternatives[0].probability),
+    (Column("probability", "probability (%)", 0), lambda r: _percent(_probability(r))),
     (Column("pair", "grasp pair"), lambda r: _pair(r)),
     (Column("cost", "matching cost", 3), lambda r: r.matching_cost),
     (Column("seconds", "seconds", 2), lambda r: r.seconds),
@@ -92,6 +92,10 @@ def _finite(value: Value) -> Value:
 
 def _pair(result: FitResult) -> str:
     return " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none in reach"
+
+
+def _probability(result: FitResult) -> float | None:
+    return result.alternatives[0].probability if result.alternatives else None
 
 
 def _percent(share: float | None) -> float | None:

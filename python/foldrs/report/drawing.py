@@ -62,7 +62,8 @@ class Explanation:
     """One explanation of the outline: data of SVG paths."""
 
     garment_type: str
-    probability: float
+    probability: float | None
+    """None if the result tells none."""
     unfolded: str
     creases: tuple[str, ...]
     kept: str
@@ -151,19 +152,18 @@ def _extent(result: FitResult | None, image: RgbImage | None, scene: Scene | Non
 
 def _explanations(result: FitResult, frame: Frame) -> tuple[Explanation, ...]:
     """Return the chosen explanation, all its folds with it, and the others with the fold they tell of."""
-    first, *others = result.alternatives
     layers = panels.folded_layers(result)
     given = result.original_template if panels.is_fitted(result) else None
     chosen = Explanation(
         garment_type=result.garment_type,
-        probability=first.probability,
+        probability=result.alternatives[0].probability if result.alternatives else None,
         unfolded=frame.outline(result.unfolded_outline_image),
         creases=tuple(frame.line(fold.axis_image) for fold in result.folds),
         kept=frame.outlines(layers.kept) if layers else "",
         flap=frame.outlines(layers.flap) if layers else "",
         template=_template(result.template, given),
     )
-    return (chosen, *(_alternative(other, frame) for other in others))
+    return (chosen, *(_alternative(other, frame) for other in result.alternatives[1:]))
 
 
 def _alternative(one: Alternative, frame: Frame) -> Explanation:

@@ -70,6 +70,7 @@ class Report:
         self.title = title
         self._entries: dict[int, _Entry] = {}
         self._measures: dict[int, SceneMeasures] = {}
+        self._next = 0
         self._parts = tempfile.TemporaryFile()  # noqa: SIM115 - closed by __exit__
         self._lock = threading.Lock()
 
@@ -114,8 +115,8 @@ class Report:
         told = values(name, result, measures)
         drawing = draw(result, photo, scene)
         with self._lock:
-            number = position if position is not None else max(self._entries, default=-1) + 1
-            self._entries[number] = _Entry(told, 0, 0)  # takes the place
+            number = self._next if position is None else position
+            self._next = max(self._next, number + 1)
         card = _environment.get_template("card.html").render(
             number=number,
             values=told,
