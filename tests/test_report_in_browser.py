@@ -81,7 +81,8 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def names(page: Any) -> list[str]:
-    return list(page.locator(".card:not([hidden]) h3").all_inner_texts())
+    """Names of the images shown, in order; of the document, since a card moved is only painted in time."""
+    return list(page.locator(".card:not([hidden]) h3").all_text_contents())
 
 
 def card(page: Any, name: str) -> Any:
@@ -132,7 +133,7 @@ def test_the_table_sorts_itself_and_the_images(window: Any, fitted: str) -> None
     ):
         heading.get_by_role("button").press("Enter")
         expect(heading).to_have_attribute("aria-sort", direction)
-        assert window.locator("#rows tbody th").all_inner_texts() == order
+        assert window.locator("#rows tbody th").all_text_contents() == order
         assert names(window) == order
     window.get_by_role("link", name="b-9.jpg").click()
     expect(card(window, "b-9.jpg")).to_be_in_viewport()
