@@ -29,6 +29,9 @@ test: test-rust test-python ## Run all tests, Rust and Python
 .PHONY: test-rust
 test-rust: $(VENV)/.tools
 	cargo test --locked --quiet --package foldrs --all-features
+	cargo test --locked --quiet --package foldrs --no-default-features
+	cargo test --locked --quiet --package foldrs --no-default-features --features parallel --test api --test threads
+	cargo test --locked --quiet --package foldrs --no-default-features --features serde --test api --test serde
 
 .PHONY: test-python
 test-python: $(VENV)/.built
@@ -43,6 +46,7 @@ lint-rust: $(VENV)/.tools
 	    { echo "cargo $$part is missing: rustup component add rustfmt clippy" >&2; exit 1; }; done
 	cargo fmt --all --check
 	cargo clippy --locked --quiet --workspace --all-targets --all-features -- -D warnings
+	cargo clippy --locked --quiet --package foldrs --all-targets --no-default-features -- -D warnings
 
 .PHONY: lint-python
 lint-python: $(VENV)/.built
@@ -63,6 +67,10 @@ bench: $(VENV)/.built ## Measure the speed of every step
 	$(BIN)/python -m pytest benchmarks -o addopts="" --benchmark-only --benchmark-min-rounds=3 \
 	    --benchmark-columns=median,iqr,rounds --benchmark-sort=name --quiet
 	$(BIN)/python benchmarks/compare.py
+
+.PHONY: crate
+crate: ## Package the crate as it would be published, and build it from the package alone
+	cargo package --locked --quiet --allow-dirty --package foldrs
 
 .PHONY: wheel
 wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/

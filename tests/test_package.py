@@ -32,6 +32,26 @@ def test_one_version_everywhere() -> None:
     assert foldrs.__version__ == metadata.version("foldrs") == cargo.group(1)
 
 
+def test_the_declared_rust_is_the_one_the_dependencies_demand() -> None:
+    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--all-features"]
+    told = json.loads(subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout)
+
+    def number(package: dict[str, str]) -> tuple[int, ...]:
+        return tuple(int(part) for part in (package["rust_version"] or "0").split("."))[:2]
+
+    ours = {package["id"] for package in told["packages"] if package["id"] in told["workspace_members"]}
+    needed = {node["id"]: node for node in told["resolve"]["nodes"]}
+    used, waiting = set(ours), list(ours)
+    while waiting:
+        for dependency in needed[waiting.pop()]["deps"]:
+            runs = any(kind["kind"] != "dev" for kind in dependency["dep_kinds"])
+            if runs and dependency["pkg"] not in used:
+                used.add(dependency["pkg"])
+                waiting.append(dependency["pkg"])
+    demanded = max(number(package) for package in told["packages"] if package["id"] in used - ours)
+    assert {number(package) for package in told["packages"] if package["id"] in ours} == {demanded}
+
+
 def test_every_public_name_is_there_and_documented() -> None:
     for name in foldrs.__all__:
         assert getattr(foldrs, name) is not None

@@ -74,8 +74,7 @@ fn parameters(skip_penalty: f64) -> PyResult<AlignmentParameters> {
             "the skip penalty must be finite and not negative, not {skip_penalty}"
         )));
     }
-    Ok(AlignmentParameters {
-        skip_penalty,
-        ..Default::default()
-    })
+    let mut parameters = AlignmentParameters::default();
+    parameters.skip_penalty = skip_penalty;
+    Ok(parameters)
 }

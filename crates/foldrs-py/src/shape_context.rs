@@ -50,9 +50,7 @@ fn resolution(n_dist: usize, n_theta: usize) -> PyResult<ShapeContextParameters>
             "a shape context needs at least one bin each way, not n_dist = {n_dist}, n_theta = {n_theta}"
         )));
     }
-    Ok(ShapeContextParameters {
-        n_dist,
-        n_theta,
-        ..Default::default()
-    })
+    let mut parameters = ShapeContextParameters::default();
+    (parameters.n_dist, parameters.n_theta) = (n_dist, n_theta);
+    Ok(parameters)
 }

@@ -2,9 +2,8 @@
 //!
 //! `cargo run --release --package foldrs --example match_folded`
 
-use foldrs::matching::Seen;
 use foldrs::model::axis_difference;
-use foldrs::{fold, match_folded, Outline, Parameters, Point};
+use foldrs::prelude::*;
 use std::error::Error;
 
 /// A T-shirt, cm, its collar at the top.
@@ -26,12 +25,8 @@ const SHIRT: [[f64; 2]; 12] = [
 /// A towel, cm: another garment that it could be.
 const TOWEL: [[f64; 2]; 4] = [[0.0, 0.0], [50.0, 0.0], [50.0, 70.0], [0.0, 70.0]];
 
-fn outline(corners: &[[f64; 2]]) -> Result<Outline, foldrs::OutlineError> {
-    Outline::new(corners.iter().map(|p| Point::new(p[0], p[1])).collect())
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
-    let templates = [outline(&SHIRT)?, outline(&TOWEL)?];
+    let templates = [Outline::try_from(&SHIRT[..])?, Outline::try_from(&TOWEL[..])?];
     let names = ["T-shirt", "towel"];
     let axis = [Point::new(-30.0, 52.0), Point::new(30.0, 40.0)];
     let folded = fold(&templates[0], &axis)?;

@@ -15,6 +15,7 @@ const ROWS_BETWEEN_LOOKS: usize = 8;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct AlignmentParameters {
     /// Cost of leaving a point of either outline unmatched, in the unit of the cost matrix. Two points are
     /// matched if they cost less than two of it. Ling & Jacobs: 0.3 for the chi-squared statistic with the
@@ -36,6 +37,8 @@ impl Default for AlignmentParameters {
 
 /// The cheapest alignment found.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Alignment {
     /// Sum of the costs of matched pairs and of the penalties, per row.
     pub cost: f64,

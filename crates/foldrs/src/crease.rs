@@ -4,6 +4,7 @@ use crate::{FoldError, Outline, Point, Segment, Vector};
 
 /// The line a garment is folded over, with a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Axis {
     /// A point on the line: the first end of the segment it was made from.
     pub origin: Point,
@@ -15,6 +16,7 @@ pub struct Axis {
 
 /// A crossing of an axis with an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
     /// Position along the axis from its origin, in the outline's units.
     pub position: f64,
@@ -26,6 +28,7 @@ pub struct Crossing {
 
 /// A piece of the axis inside the outline: where cloth would be creased.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Chord {
     /// Its two ends, in the order of the axis.
     pub ends: [Crossing; 2],
@@ -33,11 +36,13 @@ pub struct Chord {
 
 impl Chord {
     /// Length of the chord.
+    #[must_use]
     pub fn length(&self) -> f64 {
         self.ends[1].position - self.ends[0].position
     }
 
     /// Length of the part of the chord between two positions on the axis.
+    #[must_use]
     pub fn overlap(&self, from: f64, to: f64) -> f64 {
         (self.ends[1].position.min(to) - self.ends[0].position.max(from)).max(0.0)
     }
@@ -62,22 +67,26 @@ impl Axis {
     }
 
     /// The mirror image of a point.
+    #[must_use]
     pub fn reflect(&self, p: &Point) -> Point {
         let v = p - self.origin;
         self.origin + self.direction * (2.0 * v.dot(&self.direction)) - v
     }
 
     /// Distance of a point from the line, positive on its left (from x towards y).
+    #[must_use]
     pub fn side(&self, p: &Point) -> f64 {
         self.direction.perp(&(p - self.origin))
     }
 
     /// Position of a point's foot along the axis.
+    #[must_use]
     pub fn position(&self, p: &Point) -> f64 {
         self.direction.dot(&(p - self.origin))
     }
 
     /// The point of the axis at a position.
+    #[must_use]
     pub fn at(&self, position: f64) -> Point {
         self.origin + self.direction * position
     }

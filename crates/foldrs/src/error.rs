@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Why a list of points is no outline.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum OutlineError {
     /// Fewer than three points.
     #[error("an outline needs at least three points, not {0}")]
@@ -21,6 +22,7 @@ pub enum OutlineError {
 
 /// Why an outline cannot be folded over an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum FoldError {
     /// The axis has no length or is not finite.
     #[error("the fold axis has no direction: its two points must be finite and apart")]

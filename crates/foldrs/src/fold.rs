@@ -19,6 +19,7 @@ const COVERED: f64 = 0.5;
 
 /// Which layer a piece of the folded outline belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Layer {
     /// The part that stayed in place.
     Kept,
@@ -30,6 +31,7 @@ pub enum Layer {
 
 /// Where an edge or a point of the folded outline comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Source {
     /// Its layer.
     pub layer: Layer,
@@ -39,6 +41,7 @@ pub struct Source {
 
 /// A closed piece of cloth: its vertices, and where every edge (from vertex `i` to the next) comes from.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Piece {
     /// Vertices, closed implicitly, wound as the unfolded outline.
     pub points: Vec<Point>,
@@ -48,6 +51,7 @@ pub struct Piece {
 
 /// A point of the folded outline with its origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FoldedPoint {
     /// Its position, folded.
     pub point: Point,
@@ -59,6 +63,8 @@ pub struct FoldedPoint {
 
 /// An outline folded over an axis.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Folded {
     /// The line it was folded over.
     pub axis: Axis,
@@ -78,11 +84,13 @@ pub struct Folded {
 
 impl Folded {
     /// `n` points at equal arc length of the folded outline, with their origin.
+    #[must_use]
     pub fn resample(&self, n: usize) -> Vec<FoldedPoint> {
         self.outline.resample(n)
     }
 
     /// Whether the point of the unfolded outline at an arc length lies on the flap.
+    #[must_use]
     pub fn is_turned(&self, arc: f64) -> bool {
         let on = |s: &Source| {
             s.layer != Layer::Crease && arc >= s.arc[0].min(s.arc[1]) && arc <= s.arc[0].max(s.arc[1])
@@ -91,6 +99,7 @@ impl Folded {
     }
 
     /// Area of all pieces turned over.
+    #[must_use]
     pub fn flap_area(&self) -> f64 {
         self.flap.iter().map(|p| signed_area(&p.points).abs()).sum()
     }

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 /// Which way up the garment is compared with the template.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Face {
     /// As it is seen.
     Seen,
@@ -19,6 +20,7 @@ pub enum Face {
 
 /// A fold axis on the template, claimed by a side of the outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hypothesis {
     /// The axis, in template units.
     pub axis: Segment,
@@ -49,6 +51,7 @@ pub struct SampledFace {
 
 impl SampledFace {
     /// Samples an outline with `n` points.
+    #[must_use]
     pub fn new(face: Face, outline: &Outline, sides: Vec<Side>, n: usize, delta: usize) -> Self {
         let points = outline.resample(n);
         Self {
@@ -83,6 +86,7 @@ impl SampledFace {
 }
 
 /// Share of an axis that lies inside the template, as the paper's Rs = exp(-L_out / L_in) (eq. 1).
+#[must_use]
 pub fn inside_score(axis: &Segment, template: &Outline) -> f64 {
     let Ok(line) = Axis::new(axis) else {
         return 0.0;
@@ -101,6 +105,7 @@ pub fn inside_score(axis: &Segment, template: &Outline) -> f64 {
 /// One hypothesis for every match and every side it can speak for.
 ///
 /// `scale` is the expected factor from seen units to template units.
+#[must_use]
 pub fn hypotheses(
     seen: &SampledFace,
     template: &Outline,
@@ -185,6 +190,7 @@ type Image = BTreeMap<(i64, i64), Vec<usize>>;
 /// Axes are points of an image over direction and distance from the template's centre. The image closes on itself:
 /// half a turn on, the same line has the opposite distance. Connected components are merged into their mean, weighted
 /// by confidence.
+#[must_use]
 pub fn aggregate(
     found: &[Hypothesis],
     template: &Outline,

@@ -14,6 +14,7 @@ pub mod model;
 pub mod outline;
 pub mod parameters;
 pub mod partial_match;
+pub mod prelude;
 pub mod registration;
 pub mod shape_context;
 
@@ -21,7 +22,7 @@ mod parallel;
 
 pub use error::{FoldError, OutlineError};
 pub use fold::{fold, Folded, Layer};
-pub use matching::{match_folded, Candidate, Matching};
+pub use matching::{match_folded, Candidate, Matching, Seen};
 pub use outline::Outline;
 pub use parameters::Parameters;
 

@@ -26,6 +26,7 @@ pub struct Seen {
 
 /// A hypothesis about the fold axis of one of several templates.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Claim {
     /// Index of the template.
     pub template: usize,
@@ -35,6 +36,8 @@ pub struct Claim {
 
 /// A fold of a template compared with the seen outline.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Candidate {
     /// Index of the template.
     pub template: usize,
@@ -48,6 +51,8 @@ pub struct Candidate {
 
 /// What the matching stage found.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Matching {
     /// All tested hypotheses of all templates, the cheapest first.
     pub candidates: Vec<Candidate>,
@@ -57,6 +62,8 @@ pub struct Matching {
 
 /// A candidate laid over the seen outline.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Explanation {
     /// Equally spaced points of the folded template, with their origin on the unfolded one.
     pub folded: Vec<FoldedPoint>,
@@ -74,6 +81,7 @@ pub struct Explanation {
 ///
 /// `scale` is the number of seen units (px) a template unit; `None` if unknown, then several are tried.
 /// The result does not depend on the number of threads.
+#[must_use]
 pub fn match_folded(
     seen: &Seen,
     templates: &[Outline],
@@ -102,6 +110,7 @@ pub fn match_folded(
 
 impl Seen {
     /// Prepares an outline, in any units.
+    #[must_use]
     pub fn new(outline: Outline, parameters: &Parameters) -> Self {
         let outline = outline.positive();
         let points = outline.resample(parameters.shape_context.n_points);
@@ -123,16 +132,19 @@ impl Seen {
     }
 
     /// The outline, wound positively.
+    #[must_use]
     pub fn outline(&self) -> &Outline {
         &self.outline
     }
 
     /// The equally spaced points that are aligned.
+    #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
     /// The candidate creases.
+    #[must_use]
     pub fn sides(&self) -> &[Side] {
         &self.faces[0].sides
     }
@@ -214,6 +226,7 @@ fn mirrored_side(side: &Side, length: f64) -> Side {
 
 /// Partial matches of both faces at every scale (section 2.1.1), and the hypotheses they make about the axis,
 /// aggregated (section 2.1.2): template by template, the most confident first.
+#[must_use]
 pub fn claim_axes(
     seen: &Seen,
     templates: &[Outline],
@@ -331,6 +344,7 @@ fn compare(seen: &Seen, points: &[Point], parameters: &Parameters) -> Option<(Fa
 /// Lays a fold of a template over the seen outline: correspondences, map and crease.
 ///
 /// `None` if the axis does not fold the template, or too few points correspond.
+#[must_use]
 pub fn explain(
     seen: &Seen,
     template: &Outline,

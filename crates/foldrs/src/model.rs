@@ -9,6 +9,7 @@ use i_overlay::float::single::SingleFloatOverlay;
 
 /// A region of the plane: rings under the even-odd rule, holes among them.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Region {
     /// The rings, closed implicitly.
     pub rings: Vec<Vec<Point>>,
@@ -16,11 +17,13 @@ pub struct Region {
 
 impl Region {
     /// Where two layers of a folded outline lie over each other.
+    #[must_use]
     pub fn double_layer(folded: &Folded) -> Self {
         overlay(&rings(&folded.kept), &rings(&folded.flap), OverlayRule::Intersect)
     }
 
     /// Area of the region.
+    #[must_use]
     pub fn area(&self) -> f64 {
         // Holes run the other way round than what encloses them.
         self.rings
@@ -53,6 +56,7 @@ impl Region {
 }
 
 /// Share of the union of two outlines that both cover: 1 for equal ones, 0 for disjoint ones.
+#[must_use]
 pub fn intersection_over_union(a: &Outline, b: &Outline) -> f64 {
     let ring = |o: &Outline| vec![o.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()];
     let common = overlay(&ring(a), &ring(b), OverlayRule::Intersect).area();

@@ -15,14 +15,39 @@ use crate::{OutlineError, Point, Segment};
 /// # Ok::<(), foldrs::OutlineError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Vec<Point>", into = "Vec<Point>"))]
 pub struct Outline {
     points: Vec<Point>,
     /// Arc length from the first vertex to every vertex, and back to the first: `points.len() + 1` values.
     arc: Vec<f64>,
 }
 
+impl TryFrom<Vec<Point>> for Outline {
+    type Error = OutlineError;
+
+    fn try_from(points: Vec<Point>) -> Result<Self, OutlineError> {
+        Self::new(points)
+    }
+}
+
+impl TryFrom<&[[f64; 2]]> for Outline {
+    type Error = OutlineError;
+
+    fn try_from(corners: &[[f64; 2]]) -> Result<Self, OutlineError> {
+        Self::new(corners.iter().map(|&[x, y]| Point::new(x, y)).collect())
+    }
+}
+
+impl From<Outline> for Vec<Point> {
+    fn from(outline: Outline) -> Self {
+        outline.points
+    }
+}
+
 /// The nearest point of an outline to some other point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nearest {
     /// The point on the outline.
     pub point: Point,
@@ -34,6 +59,7 @@ pub struct Nearest {
 
 /// A side of the simplified outline: a candidate crease (section 2.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Side {
     /// The side itself, in the direction of the outline.
     pub segment: Segment,
@@ -95,31 +121,37 @@ impl Outline {
     }
 
     /// The vertices.
+    #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
     /// Arc length from the first vertex to vertex `i`.
+    #[must_use]
     pub fn arc_of_vertex(&self, i: usize) -> f64 {
         self.arc[i]
     }
 
     /// Edge `i`, from vertex `i` to the next.
+    #[must_use]
     pub fn edge(&self, i: usize) -> Segment {
         [self.points[i], self.points[(i + 1) % self.points.len()]]
     }
 
     /// Length of the whole outline.
+    #[must_use]
     pub fn length(&self) -> f64 {
         self.arc[self.points.len()]
     }
 
     /// Enclosed area, positive if the points run from the x axis towards the y axis.
+    #[must_use]
     pub fn signed_area(&self) -> f64 {
         signed_area(&self.points)
     }
 
     /// Centre of gravity of the enclosed area.
+    #[must_use]
     pub fn centroid(&self) -> Point {
         let o = self.points[0];
         let (mut sum, mut area) = (nalgebra::Vector2::zeros(), 0.0);
@@ -134,6 +166,7 @@ impl Outline {
     }
 
     /// The same outline run the other way round, starting at the same vertex.
+    #[must_use]
     pub fn reversed(&self) -> Self {
         let mut points = self.points.clone();
         points[1..].reverse();
@@ -144,6 +177,7 @@ impl Outline {
     }
 
     /// The same outline, reversed if need be so that its signed area is positive.
+    #[must_use]
     pub fn positive(self) -> Self {
         if self.signed_area() < 0.0 {
             self.reversed()
@@ -155,6 +189,7 @@ impl Outline {
     /// The mirror image over the y axis, winding kept: what is seen when the garment lies on its other face.
     ///
     /// Point `i` of the result is the image of point `-i` (modulo the number of points) of this outline.
+    #[must_use]
     pub fn mirrored(&self) -> Self {
         let mut points: Vec<Point> = self.points.iter().map(|p| Point::new(-p.x, p.y)).collect();
         points[1..].reverse();
@@ -165,6 +200,7 @@ impl Outline {
     }
 
     /// The point at arc length `s`, which is taken modulo the length.
+    #[must_use]
     pub fn at(&self, s: f64) -> Point {
         let s = s.rem_euclid(self.length());
         let i = (self.arc.partition_point(|&a| a <= s).max(1) - 1).min(self.points.len() - 1);
@@ -174,6 +210,7 @@ impl Outline {
     }
 
     /// `n` points at equal arc length, the first at the first vertex.
+    #[must_use]
     pub fn resample(&self, n: usize) -> Vec<Point> {
         let step = self.length() / n as f64;
         let mut edge = 0;
@@ -190,6 +227,7 @@ impl Outline {
     }
 
     /// The point of the outline nearest to `q`.
+    #[must_use]
     pub fn nearest(&self, q: &Point) -> Nearest {
         let mut best = Nearest {
             point: self.points[0],
@@ -213,6 +251,7 @@ impl Outline {
     }
 
     /// Whether `q` lies inside (even-odd rule; on the outline itself either answer may come).
+    #[must_use]
     pub fn contains(&self, q: &Point) -> bool {
         let mut inside = false;
         for i in 0..self.points.len() {
@@ -229,6 +268,7 @@ impl Outline {
     ///
     /// A closed outline has no natural end to start from: two vertices that are (nearly) as far apart as any are
     /// always corners. Indices in increasing order.
+    #[must_use]
     pub fn simplify(&self, tolerance: f64) -> Vec<usize> {
         let n = self.points.len();
         let (a, b) = self.farthest_vertices();
@@ -253,6 +293,7 @@ impl Outline {
     ///
     /// Every side is the straight line through the points it stands for, which lies truer than the chord between
     /// two corners that rounding may have moved.
+    #[must_use]
     pub fn sides(&self, tolerance: f64) -> Vec<Side> {
         let corners = self.simplify(tolerance);
         (0..corners.len())
@@ -318,6 +359,7 @@ fn arc_lengths(points: &[Point]) -> Vec<f64> {
 }
 
 /// Area enclosed by a closed ring, positive if it runs from the x axis towards the y axis.
+#[must_use]
 pub fn signed_area(ring: &[Point]) -> f64 {
     let Some(&o) = ring.first() else { return 0.0 };
     (1..ring.len().saturating_sub(1))

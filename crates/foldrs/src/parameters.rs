@@ -12,6 +12,7 @@ pub use crate::shape_context::ShapeContextParameters;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct Parameters {
     /// Stage 0: sides of the outline.
     pub side: SideParameters,
@@ -36,6 +37,7 @@ pub struct Parameters {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct SideParameters {
     /// Tolerances of the Douglas-Peucker simplification, as shares of the square root of the outline's area. The axis
     /// is one side at 1 to 2 % in 99 % of virtual folds of real outlines; sides of all tolerances are candidates.
@@ -65,6 +67,7 @@ impl Default for SideParameters {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct PartialMatchParameters {
     /// Points on the seen outline; the template gets as many as the same spacing gives. 100 resolves a sleeve's cuff.
     pub points: usize,
@@ -114,6 +117,7 @@ impl Default for PartialMatchParameters {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct HypothesisParameters {
     /// A piece's affine map is used if the spread of its points across their main direction is at least this share
     /// of that along it; a straighter piece leaves the affine map undetermined and gets a similarity.
@@ -149,6 +153,7 @@ impl Default for HypothesisParameters {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct FitParameters {
     /// Points of the seen outline to be explained.
     pub samples: usize,
@@ -258,6 +263,7 @@ impl Default for FitParameters {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[non_exhaustive]
 pub struct RimParameters {
     /// Rims this near to the seen outline or the crease say nothing: those edges are there anyway.
     pub inside: f64,

@@ -25,6 +25,7 @@ pub struct ChordAngles {
 
 impl ChordAngles {
     /// The chord angles of all pairs of points.
+    #[must_use]
     pub fn new(points: &[Point], delta: usize) -> Self {
         let n = points.len();
         let mut at_end = vec![0.0; n * n];
@@ -51,11 +52,13 @@ impl ChordAngles {
     }
 
     /// Number of points of the outline.
+    #[must_use]
     pub fn len(&self) -> usize {
         self.n
     }
 
     /// Whether there are no points.
+    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.n == 0
     }
@@ -70,6 +73,7 @@ impl ChordAngles {
 
 /// A piece of one outline that looks like a piece of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PartialMatch {
     /// First point of the piece on the seen outline.
     pub start: usize,
@@ -98,6 +102,7 @@ fn angles_within(length: usize, delta: usize) -> usize {
 }
 
 /// Affinity of two pieces: longer and more alike is better, 1 is never reached.
+#[must_use]
 pub fn affinity(length: usize, difference: f64, parameters: &PartialMatchParameters) -> f64 {
     let likeness = (-difference / (parameters.likeness * parameters.likeness)).exp();
     let weight = 1.0 - (-(length as f64) / parameters.length).exp();
@@ -107,6 +112,7 @@ pub fn affinity(length: usize, difference: f64, parameters: &PartialMatchParamet
 /// Mean squared difference of two pieces by the direct double sum over all pairs of their points.
 ///
 /// What [`partial_matches`] finds for all pieces at once; here for one, and for oracles.
+#[must_use]
 pub fn piece_difference(
     seen: &ChordAngles,
     start: usize,
@@ -129,6 +135,7 @@ pub fn piece_difference(
 /// For every pair of starting points the length of greatest affinity is taken; of matches that overlap along the same
 /// or a neighbouring offset only the best is kept. The structural zeros of the descriptor are left out of the mean.
 /// Time grows with the product of both numbers of points and the longest piece, memory with their product.
+#[must_use]
 pub fn partial_matches(
     seen: &ChordAngles,
     template: &ChordAngles,

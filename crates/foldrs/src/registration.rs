@@ -5,6 +5,7 @@ use nalgebra::{Matrix2, Vector2};
 
 /// A linear map with an offset: `x -> linear x + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PlaneMap {
     /// The linear part.
     pub linear: Matrix2<f64>,
@@ -14,6 +15,7 @@ pub struct PlaneMap {
 
 impl PlaneMap {
     /// The map that leaves every point where it is.
+    #[must_use]
     pub fn identity() -> Self {
         Self {
             linear: Matrix2::identity(),
@@ -22,11 +24,13 @@ impl PlaneMap {
     }
 
     /// The image of a point.
+    #[must_use]
     pub fn apply(&self, p: &Point) -> Point {
         Point::from(self.linear * p.coords + self.offset)
     }
 
     /// The map back, if there is one.
+    #[must_use]
     pub fn inverse(&self) -> Option<Self> {
         let linear = self.linear.try_inverse()?;
         Some(Self {
@@ -36,6 +40,7 @@ impl PlaneMap {
     }
 
     /// Largest and smallest factor by which lengths change.
+    #[must_use]
     pub fn stretch(&self) -> [f64; 2] {
         let m = &self.linear;
         let (e, f) = ((m.m11 + m.m22) / 2.0, (m.m11 - m.m22) / 2.0);
@@ -47,6 +52,7 @@ impl PlaneMap {
     /// The least-squares non-reflective similarity (eq. 2): rotation, scale and offset.
     ///
     /// `None` if fewer than two points are apart, or their weights vanish. Every weight must be non-negative.
+    #[must_use]
     pub fn similarity(from: &[Point], to: &[Point], weights: Option<&[f64]>) -> Option<Self> {
         let moments = Moments::new(from, to, weights)?;
         let spread = moments.spread.trace();
@@ -59,6 +65,7 @@ impl PlaneMap {
     }
 
     /// The least-squares affine map; `None` if the points lie on a line.
+    #[must_use]
     pub fn affine(from: &[Point], to: &[Point], weights: Option<&[f64]>) -> Option<Self> {
         let moments = Moments::new(from, to, weights)?;
         let inverse = moments.spread.try_inverse()?;
@@ -67,6 +74,7 @@ impl PlaneMap {
 }
 
 /// How far points spread across their main direction, as a share of the spread along it: 0 for points on a line.
+#[must_use]
 pub fn roundness(points: &[Point]) -> f64 {
     let Some(moments) = Moments::new(points, points, None) else {
         return 0.0;

@@ -26,6 +26,7 @@ const BORDER: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct ShapeContextParameters {
     /// Points an outline is resampled to (Ling & Jacobs: 100). Two shape contexts are compared at
     /// `n_points^2` pairs of points.

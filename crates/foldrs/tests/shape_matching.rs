@@ -12,11 +12,15 @@ use foldrs::Point;
 use proptest::prelude::*;
 
 fn resolution(n_dist: usize, n_theta: usize) -> ShapeContextParameters {
-    ShapeContextParameters {
-        n_dist,
-        n_theta,
-        ..Default::default()
-    }
+    let mut parameters = ShapeContextParameters::default();
+    (parameters.n_dist, parameters.n_theta) = (n_dist, n_theta);
+    parameters
+}
+
+fn alignment(skip_penalty: f64, starts: usize) -> AlignmentParameters {
+    let mut parameters = AlignmentParameters::default();
+    (parameters.skip_penalty, parameters.starts) = (skip_penalty, starts);
+    parameters
 }
 
 fn contexts(p: &[Point]) -> ShapeContexts {
@@ -128,7 +132,7 @@ proptest! {
 
     #[test]
     fn costs_of_all_starts_follow_the_definition(cost in costs(1..20, 1..20), penalty in 0.05..1.0_f64) {
-        let parameters = AlignmentParameters { skip_penalty: penalty, starts: 8 };
+        let parameters = alignment(penalty, 8);
         let starts: Vec<usize> = (0..cost.columns).rev().collect();
         for (&start, actual) in starts.iter().zip(alignment_costs(&cost, &parameters, &starts)) {
             prop_assert!((actual - plain_alignment(&cost, penalty, start)).abs() < 1e-5);
@@ -137,7 +141,7 @@ proptest! {
 
     #[test]
     fn finds_the_best_of_all_starts(cost in costs(1..25, 1..25), penalty in 0.05..1.0_f64, starts in 1_usize..12) {
-        let parameters = AlignmentParameters { skip_penalty: penalty, starts };
+        let parameters = alignment(penalty, starts);
         let best = (0..cost.columns)
             .map(|start| plain_alignment(&cost, penalty, start))
             .fold(f64::INFINITY, f64::min);

@@ -1,5 +1,4 @@
 //! The result of matching and fitting is the same on any number of threads, to the last bit.
-#![cfg(feature = "rayon")]
 
 use foldrs::fit::{explain_jointly, FlexibleTemplate};
 use foldrs::matching::{claim_axes, Seen};

@@ -10,6 +10,8 @@ use nalgebra::Matrix2;
 
 /// A template fitted jointly with its crease, in the units of the seen outline and of the template.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct JointExplanation {
     /// Index of the template.
     pub template: usize,
@@ -31,6 +33,8 @@ pub struct JointExplanation {
 
 /// What the joint fit found.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct JointFits {
     /// The folds that explain the outline, the best evidence first.
     pub folds: Vec<JointExplanation>,
@@ -42,6 +46,7 @@ pub struct JointFits {
 ///
 /// `scale` is the number of seen units a template unit, if known; `picture` what was seen within the outline, in the
 /// same coordinates, if there is a picture.
+#[must_use]
 pub fn explain_jointly(
     seen: &Seen,
     templates: &[FlexibleTemplate],

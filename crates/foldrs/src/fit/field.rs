@@ -22,6 +22,7 @@ pub struct SeenField {
 
 impl SeenField {
     /// Samples the outline at `n` points and its signed distance on a grid of about `nodes` x `nodes`.
+    #[must_use]
     pub fn new(outline: &Outline, n: usize, nodes: usize) -> Self {
         let (mut low, mut high) = (outline.points()[0], outline.points()[0]);
         for p in outline.points() {

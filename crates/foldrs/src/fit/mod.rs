@@ -33,6 +33,7 @@ use crate::{parallel, Point, Segment};
 /// Fits a template from every start, coarsely, and the most promising ones to the end; the best evidence first.
 ///
 /// Starts that lose their crease on the way are left out. The result does not depend on the number of threads.
+#[must_use]
 pub fn fit_jointly(
     field: &SeenField,
     templates: &[FlexibleTemplate],
@@ -91,6 +92,7 @@ fn fit_starts(
 /// The start a hypothesis about the axis gives: the template laid so that its axis covers the side that claims it.
 ///
 /// `side` is that side of the seen outline, `scale` the expected number of seen units a template unit.
+#[must_use]
 pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option<Start> {
     let axis = Axis::new(&hypothesis.axis).ok()?;
     let crease = Axis::new(side).ok()?;
@@ -122,6 +124,7 @@ pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option
 /// The template unfolded, fitted from all directions and both faces; the best evidence.
 ///
 /// What a fold has to beat: the seen outline explained without any.
+#[must_use]
 pub fn fit_unfolded(
     field: &SeenField,
     template: &FlexibleTemplate,

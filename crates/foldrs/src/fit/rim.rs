@@ -27,6 +27,8 @@ pub struct Picture {
 
 /// What the rims of a fold say.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RimEvidence {
     /// Logarithm of how much more likely the picture is if this fold made it than if chance did, in nats.
     pub gain: f64,

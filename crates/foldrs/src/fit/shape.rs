@@ -31,6 +31,7 @@ pub struct FlexibleTemplate {
 
 impl FlexibleTemplate {
     /// Prepares a template. `mirror` holds pairs of points that are mirror images of each other (may be empty).
+    #[must_use]
     pub fn new(outline: &Outline, mirror: &[[Point; 2]], parameters: &FitParameters) -> Self {
         let reversed = outline.signed_area() < 0.0;
         let outline = outline.clone().positive();
