@@ -53,6 +53,8 @@ lint-python: $(VENV)/.built
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest foldrs._core
+	bash .ci/types $(BIN)/python
 	$(BIN)/python docs/list_licences.py --check
 
 .PHONY: docs

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import json
 import re
@@ -91,24 +90,6 @@ def test_types_stub_and_templates_are_installed() -> None:
     assert any(entry.name.endswith(".json") for entry in files.joinpath("templates").iterdir())
     assets = {entry.name for entry in files.joinpath("report", "assets").iterdir()}
     assert assets == {"card.html", "page.css", "page.html", "page.js"}
-
-
-def test_the_stub_names_what_the_compiled_module_has() -> None:
-    stub = ast.parse((PACKAGE / "_core.pyi").read_text())
-    declared: dict[str, set[str]] = {}
-    for node in stub.body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            members = node.body if isinstance(node, ast.ClassDef) else []
-            declared[node.name] = {
-                member.name for member in members if isinstance(member, ast.FunctionDef)
-            } | {member.target.id for member in members
-                 if isinstance(member, ast.AnnAssign) and isinstance(member.target, ast.Name)}  # fmt: skip
-    compiled = {name for name in dir(_core) if not name.startswith("_")}
-    assert {name for name in declared if not name.startswith("_")} == compiled
-    for name, members in declared.items():
-        if isinstance(thing := getattr(_core, name), type):
-            public = {member for member in dir(thing) if not member.startswith("_")}
-            assert public <= members | set(dir(Exception)), name
 
 
 def test_python_and_rust_have_the_same_defaults() -> None:

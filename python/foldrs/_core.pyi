@@ -5,12 +5,43 @@ array of two points; its left is the side towards which the direction x turns to
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 _Points = NDArray[np.float64]
+
+__all__ = [
+    "Candidate",
+    "Explanation",
+    "FlexibleTemplate",
+    "FoldedLayers",
+    "JointExplanation",
+    "Seen",
+    "__version__",
+    "align",
+    "alignment_costs",
+    "axis_difference",
+    "check_outline",
+    "default_parameters",
+    "fit_jointly",
+    "fold_layers",
+    "inner_distances",
+    "matching_costs",
+    "nearest_on_outline",
+    "outline_iou",
+    "partial_matches",
+    "piece_difference",
+    "points_at",
+    "reflect",
+    "resample",
+    "set_threads",
+    "shape_contexts",
+    "sides",
+    "signed_area",
+    "simplify",
+]
 
 __version__: str
 
@@ -50,6 +81,7 @@ def axis_difference(a: _Points, b: _Points) -> float:
 def outline_iou(a: _Points, b: _Points) -> float:
     """Intersection over union of two outlines."""
 
+@final
 class FoldedLayers:
     """An outline folded over an axis, layer by layer."""
 
@@ -187,6 +219,7 @@ def align(cost: _Points, skip_penalty: float = 0.6) -> tuple[float, NDArray[np.i
     arguments and errors.
     """
 
+@final
 class Seen:
     """A seen outline prepared for matching; all that depends on it alone is computed once."""
 
@@ -207,6 +240,7 @@ class Seen:
     def explain(self, template: _Points, candidate: Candidate) -> Explanation | None:
         """Lay a fold of a template over the seen outline."""
 
+@final
 class Candidate:
     """A fold of a template compared with the seen outline."""
 
@@ -229,6 +263,7 @@ class Candidate:
     def mirrored(self) -> bool:
         """Whether the mirrored outline matched better."""
 
+@final
 class Explanation:
     """A fold of a template laid over the seen outline."""
 
@@ -254,6 +289,7 @@ class Explanation:
     def cost(self) -> float:
         """Matching cost."""
 
+@final
 class FlexibleTemplate:
     """A template prepared for the joint fit: its corners with a prior on how far they move."""
 
@@ -262,6 +298,7 @@ class FlexibleTemplate:
     ) -> FlexibleTemplate:
         """Prepare a template; points of `mirror_from` are mirror images of those of `mirror_to`."""
 
+@final
 class JointExplanation:
     """A template fitted jointly with its crease."""
 

@@ -3,6 +3,16 @@
 Every exception here derives from :class:`FoldrsError`, so one ``except`` catches them all, and from the
 built-in exception a Python user would expect (``ValueError``, ``FileNotFoundError``), so code that knows
 nothing of foldrs behaves as well. Each message says what was wrong and what to do about it.
+
+Examples
+--------
+>>> import foldrs
+>>> from foldrs.errors import FoldrsError, ImageNotFoundError
+>>> try:
+...     foldrs.fit("no-such-photo.jpg")
+... except FoldrsError as error:
+...     print(isinstance(error, ImageNotFoundError), isinstance(error, FileNotFoundError))
+True True
 """
 
 from __future__ import annotations

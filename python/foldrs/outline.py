@@ -92,6 +92,13 @@ def find_outline(
     -----
     GarmentCutOffWarning
         The border of the picture cuts a small part of the garment.
+
+    Examples
+    --------
+    >>> mask = np.zeros((60, 80), bool)
+    >>> mask[10:50, 20:60] = True
+    >>> find_outline(mask).points.round().min(axis=0).tolist()
+    [20.0, 10.0]
     """
     p = OutlineParameters() if parameters is None else parameters
     if isinstance(source, str | os.PathLike):

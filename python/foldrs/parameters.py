@@ -2,6 +2,16 @@
 
 Every value is a plain number with its unit and the reason for its default. Lengths of the cloth are in
 centimetres, of the picture in pixels (px); "share" is a number between 0 and 1.
+
+Examples
+--------
+>>> from dataclasses import replace
+>>> from foldrs.parameters import GraspParameters, Parameters
+>>> careful = Parameters(grasp=GraspParameters(clearance=3.0))
+>>> careful.grasp.clearance, careful.fitting == Parameters().fitting
+(3.0, True)
+>>> replace(careful, grasp=GraspParameters()) == Parameters()
+True
 """
 
 from __future__ import annotations

@@ -73,6 +73,19 @@ def fit(
     ------
     FoldrsError
         One of `foldrs.errors`, which says what was wrong with the input.
+
+    Examples
+    --------
+    A towel, 4 px a centimetre, one corner of which is turned over:
+
+    >>> seen = [[0, 0], [200, 0], [200, 160], [100, 260], [0, 260]]
+    >>> result = fit(seen, garment_type="towel", px_per_cm=4)
+    >>> result.accepted
+    True
+    >>> sorted(result.fold.axis_image.round().tolist())
+    [[100.0, 260.0], [200.0, 160.0]]
+    >>> sum(mark.accessible for mark in result.landmarks.values())
+    3
     """
     start = time.perf_counter()
     parameters = parameters or Parameters()

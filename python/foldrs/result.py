@@ -2,6 +2,18 @@
 
 All image coordinates are (x, y) px with y down, an integer being the centre of a pixel; template coordinates
 are in the template's own units (centimetres for the built-in ones). Outlines are closed implicitly.
+
+Examples
+--------
+>>> import foldrs
+>>> result = foldrs.fit([[0, 0], [200, 0], [200, 160], [100, 260], [0, 260]], garment_type="towel")
+>>> chosen = result.alternatives[0]
+>>> bool((chosen.fold.axis_image == result.fold.axis_image).all())
+True
+>>> result.template.axis.shape, result.unfolded_outline_image.shape[1]
+((2, 2), 2)
+>>> result.to_dict()["garment_type"]
+'towel'
 """
 
 from __future__ import annotations

@@ -136,6 +136,21 @@ class Template:
         ------
         TemplateError
             If a field is missing or wrong; its `field` says which.
+
+        Examples
+        --------
+        >>> scarf = {
+        ...     "schema": 1, "type": "scarf", "units": "cm",
+        ...     "outline": [[0, 0], [180, 0], [180, 30], [0, 30]],
+        ...     "landmarks": {"left": [0, 0], "right": [180, 0]},
+        ...     "grasp_pairs": [["left", "right"]],
+        ... }
+        >>> template = Template.from_dict(scarf, name="long-scarf")
+        >>> template.garment_type, template.area
+        ('scarf', 5400.0)
+        >>> Template.from_dict(scarf | {"grasp_pairs": [["left", "rihgt"]]}, name="long-scarf")
+        Traceback (most recent call last):
+        foldrs.errors.TemplateError: ...
         """
         if not isinstance(data, Mapping):
             raise TemplateError(f"a template must be an object with named fields, not {shown(data)}")

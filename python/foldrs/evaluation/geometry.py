@@ -42,7 +42,16 @@ def iou(a: Points, b: Points) -> float:
 
 
 def hull_share(axis: Points, true_axis: Points, whole: float) -> float:
-    """dA: area of the convex hull of two axes' end points, as a share of the area `whole` (section 4.1)."""
+    """dA: area of the convex hull of two axes' end points, as a share of the area `whole` (section 4.1).
+
+    Examples
+    --------
+    A crease 40 cm long, found 1.5 cm beside where it is, on a towel of 60 by 40 cm:
+
+    >>> true_axis = np.array([[30.0, 0.0], [30.0, 40.0]])
+    >>> hull_share(true_axis + [1.5, 0.0], true_axis, whole=60 * 40)
+    0.025
+    """
     hull = float(MultiPoint(np.vstack([axis, true_axis])).convex_hull.area)
     return hull / whole if whole > 0 else float("inf")
 

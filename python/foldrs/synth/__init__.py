@@ -7,6 +7,17 @@ folded), :mod:`~foldrs.synth.layers` (the layers of cloth and where a point of t
 :mod:`~foldrs.synth.pose` (how the whole lies in the picture), :mod:`~foldrs.synth.cloth`,
 :mod:`~foldrs.synth.table` and :mod:`~foldrs.synth.render` (the pixels), :mod:`~foldrs.synth.truth` (the
 ground truth), :mod:`~foldrs.synth.scene` (one scene) and :mod:`~foldrs.synth.batch` (many).
+
+Examples
+--------
+>>> import foldrs
+>>> from foldrs.synth import SynthParameters, make_scene
+>>> towel = foldrs.builtin_templates("towel")[0]
+>>> scene = make_scene(towel, seed=7, parameters=SynthParameters(scenarios=("corner",)))
+>>> scene.truth["type"], scene.truth["scenario"], len(scene.truth["axis_image"])
+('towel', 'corner', 2)
+>>> scene.image.shape[:2] == scene.mask.shape
+True
 """
 
 from foldrs.synth.batch import make_scenes
