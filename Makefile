@@ -56,6 +56,7 @@ lint-python: $(VENV)/.built
 	$(BIN)/python -m mypy.stubtest foldrs._core
 	bash .ci/types $(BIN)/python
 	$(BIN)/python docs/list_licences.py --check
+	bash .ci/version
 
 .PHONY: docs
 docs: $(VENV)/.built ## Build the documentation: site/index.html, site/rust/foldrs/index.html
@@ -78,6 +79,12 @@ crate: ## Package the crate as it would be published, and build it from the pack
 wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/
 	rm -rf dist
 	$(BIN)/maturin build --release --quiet --out dist
+	@ls dist
+
+.PHONY: sdist
+sdist: $(VENV)/.tools ## Pack the sources as they would be published: dist/
+	rm -f dist/*.tar.gz
+	$(BIN)/maturin sdist --quiet --out dist
 	@ls dist
 
 .PHONY: picture

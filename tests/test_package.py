@@ -29,6 +29,8 @@ def test_one_version_everywhere() -> None:
     cargo = re.search(r'^version = "(.+)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
     assert cargo is not None
     assert foldrs.__version__ == metadata.version("foldrs") == cargo.group(1)
+    told = subprocess.run(["bash", ".ci/version"], cwd=ROOT, capture_output=True, text=True)
+    assert (told.returncode, told.stdout, told.stderr) == (0, f"version {foldrs.__version__}\n", "")
 
 
 def test_the_declared_rust_is_the_one_the_dependencies_demand() -> None:
