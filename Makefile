@@ -60,6 +60,8 @@ lint-python: $(VENV)/.built
 
 .PHONY: docs
 docs: $(VENV)/.built ## Build the documentation: site/index.html, site/rust/foldrs/index.html
+	$(BIN)/python docs/draw_stages.py docs/stages/drawn
+	$(BIN)/python docs/run_page.py docs/tutorial.md docs/tutorial
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs site
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --quiet --no-deps --package foldrs --all-features
 	rm -rf site/rust && cp -R "$${CARGO_TARGET_DIR:-target}/doc" site/rust
@@ -109,7 +111,7 @@ lock: ## Pin the newest versions of all tools: requirements-dev.lock, requiremen
 
 .PHONY: clean
 clean: ## Remove all that was made here
-	rm -rf $(VENV) target site dist demo
+	rm -rf $(VENV) target site dist demo docs/stages/drawn docs/tutorial
 
 # Set-up. Each stamp is newer than what it was made from.
 
