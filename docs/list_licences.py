@@ -30,6 +30,9 @@ PERMISSIVE = {
 }
 """Licences (SPDX) under which a dependency may be used by a program under MIT or Apache-2.0."""
 
+TOOLS = {"dev", "docs"}
+"""Extras that hold tools of development: nothing of them comes with foldrs."""
+
 SPELLINGS = {
     "Apache 2.0": "Apache-2.0",
     "Apache Software License": "Apache-2.0",
@@ -77,18 +80,29 @@ def crates() -> list[Row]:
 
 
 def packages() -> list[Row]:
-    """Python packages needed at run time, with version and licence."""
+    """Python packages needed at run time, by the optional extras too, with version and licence."""
     found: dict[str, Row] = {}
-    waiting = ["foldrs"]
+    optional = set(metadata.metadata("foldrs").get_all("Provides-Extra") or []) - TOOLS
+    waiting = [("foldrs", optional)]
+    seen = set()
     while waiting:
-        for text in metadata.requires(waiting.pop()) or []:
+        package, extras = waiting.pop()
+        for text in metadata.requires(package) or []:
             requirement = Requirement(text)
             name = requirement.name.lower().replace("_", "-")
-            if name not in found and (
-                requirement.marker is None or requirement.marker.evaluate({"extra": ""})
-            ):
+            needed = requirement.marker is None or any(
+                requirement.marker.evaluate({"extra": extra}) for extra in ["", *extras]
+            )
+            step = (name, frozenset(requirement.extras))
+            if not needed or step in seen:
+                continue
+            seen.add(step)
+            try:
                 found[name] = (name, metadata.version(name), licence_of(name))
-                waiting.append(name)
+            except metadata.PackageNotFoundError:
+                print(f"{name} is not installed here: its licence is not checked", file=sys.stderr)
+                continue
+            waiting.append((name, requirement.extras))
     return sorted(found.values())
 
 
