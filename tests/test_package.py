@@ -51,6 +51,9 @@ def test_the_declared_rust_is_the_one_the_dependencies_demand() -> None:
                 waiting.append(dependency["pkg"])
     demanded = max(number(package) for package in told["packages"] if package["id"] in used - ours)
     assert {number(package) for package in told["packages"] if package["id"] in ours} == {demanded}
+    oldest = ".".join(str(part) for part in demanded)
+    assert f"Rust {oldest} or later" in (ROOT / "README.md").read_text()
+    assert f"The oldest Rust is {oldest};" in (ROOT / "crates/foldrs/README.md").read_text()
 
 
 def test_every_public_name_is_there_and_documented() -> None:
