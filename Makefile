@@ -86,7 +86,7 @@ wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/
 .PHONY: sdist
 sdist: $(VENV)/.tools ## Pack the sources as they would be published: dist/
 	rm -f dist/*.tar.gz
-	$(BIN)/maturin sdist --quiet --out dist
+	$(BIN)/maturin sdist --out dist
 	@ls dist
 
 .PHONY: picture
