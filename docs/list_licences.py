@@ -53,6 +53,8 @@ so. The compiled module holds the crates; the Python packages are installed besi
 Some of those wheels bundle libraries under the LGPL (GEOS in shapely, FFmpeg in OpenCV), which are linked
 dynamically and not changed.
 
+Packages of optional extras are named where they are installed when this page is made.
+
 `make licences` makes this page, `make lint` checks it.
 """
 
