@@ -235,7 +235,7 @@ class JointFitParameters:
     """Longest step of a corner in one iteration."""
     directions: int = 12
     """Directions tried for the template unfolded."""
-    starts: int = 300
+    starts: int = 900
     """At most this many claims a template are tried, the most confident first."""
     refined: int = 40
     """Starts a template that are fitted to the end, the most promising first."""

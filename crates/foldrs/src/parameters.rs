@@ -250,7 +250,7 @@ impl Default for FitParameters {
             polished: 20,
             longest_step: 6.0,
             directions: 12,
-            starts: 300,
+            starts: 900,
             refined: 40,
         }
     }
