@@ -68,6 +68,28 @@ class TemplateError(FoldrsError, ValueError):
         self.field = field
 
 
+class CalibrationError(FoldrsError, ValueError):
+    """A homography, camera or pose is not valid, or does not go with the picture.
+
+    Attributes
+    ----------
+    field : str
+        The field at fault, for instance ``"camera_matrix"``; empty if it is the file as a whole.
+    """
+
+    def __init__(self, message: str, field: str = "") -> None:
+        super().__init__(message)
+        self.field = field
+
+
+class ScaleReferenceError(FoldrsError, ValueError):
+    """The marker or sheet that tells the scale is not in the picture, or it is unclear which one is."""
+
+
+class DepthError(FoldrsError, ValueError):
+    """A depth image cannot be read, does not go with the photograph, or shows no table."""
+
+
 class ParameterError(FoldrsError, ValueError):
     """A parameter is outside its range, for instance a scale of zero pixels a centimetre."""
 

@@ -43,6 +43,11 @@ _WIDTH = 110
     "--outlines", is_flag=True, help="Use the true outlines, not the photographs: the matching alone."
 )
 @click.option(
+    "--uncalibrated",
+    is_flag=True,
+    help="Do not use the homographies and depth images beside the scenes, as if they were not known.",
+)
+@click.option(
     "--count", type=click.IntRange(1), default=60, show_default=True, help="Folds of --protocol synthetic."
 )
 @click.option(
@@ -62,6 +67,7 @@ def evaluate_command(
     px_per_cm: float | None,
     method: Literal["best", "paper"],
     outlines: bool,
+    uncalibrated: bool,
     count: int,
     seed: int,
     jobs: int | None,
@@ -95,7 +101,7 @@ def evaluate_command(
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, out)
+    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, not uncalibrated, out)
     if report is None:
         rows = _run(evaluation, found, jobs)
     else:
@@ -107,6 +113,7 @@ def evaluate_command(
             click.secho(f"{row.scene}: {row.error}", fg="red", err=True)
     if out is not None:
         options = {"protocol": protocol, "method": method, "px_per_cm": px_per_cm, "true_outlines": outlines}
+        options["calibrated"] = not uncalibrated
         if protocol == "synthetic":
             options |= {"count": count, "seed": seed}
         write_csv(rows, out / "evaluation.csv")

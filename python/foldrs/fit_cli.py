@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
+from foldrs._camera_options import camera_options, known_of_table
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class FitJob:
     out: Path | None
     plot: bool
     plot_stages: bool
+    known: dict[str, Any]
+    """Of table and camera: arguments of `foldrs.fit`."""
 
     def run(self, image: Path) -> FitResult:
         """Fit one image and write its files, the picture first: where there is a JSON file, all is there."""
@@ -53,6 +56,7 @@ class FitJob:
             folds=self.folds,
             method=self.method,
             mask=self.mask,
+            **self.known,
         )
         if self.out is not None:
             if self.plot:
@@ -74,10 +78,15 @@ class FitJob:
 
         if result.stages:
             return result
+        flat = result.from_above
         published = fit(
-            result.outline_image, templates=self.templates, px_per_cm=self.px_per_cm, method="paper"
+            (flat.result if flat else result).outline_image,
+            templates=self.templates,
+            px_per_cm=flat.px_per_cm if flat else self.px_per_cm,
+            method="paper",
         )
-        return replace(published, image=result.image)
+        published = replace(published, image=result.image)
+        return replace(published, from_above=replace(flat, result=published)) if flat else published
 
 
 class FitCommand(click.Command):
@@ -134,6 +143,7 @@ def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Fo
 )
 @report_option
 @rerun_option
+@camera_options
 @click.option("--timings", is_flag=True, help="Also print the seconds of every stage.")
 @click.option("--jobs", type=click.IntRange(1), help="Images and hypotheses at a time; default: all cores.")
 def fit_command(
@@ -151,6 +161,7 @@ def fit_command(
     rerun: Path | None,
     timings: bool,
     jobs: int | None,
+    **placing: Any,
 ) -> None:
     """Fit foldable templates to photographs of folded garments.
 
@@ -168,8 +179,10 @@ def fit_command(
         check_scale(px_per_cm)
         check_folds(folds)
         chosen = choose_templates(templates or None, garment_type)
+        known = known_of_table(placing, len(images))
         if out is not None:
-            read = (*images, *templates, *(() if mask is None else (mask,)))
+            files = (mask, *(path for path in placing.values() if isinstance(path, Path)))
+            read = (*images, *templates, *(path for path in files if path is not None))
             suffixes = (".json", *((".png",) if plot else ()), *((_STAGES_SUFFIX,) if plot_stages else ()))
             _check_outputs(images, out, suffixes, read)
             out.mkdir(parents=True, exist_ok=True)
@@ -177,7 +190,7 @@ def fit_command(
     except (FoldrsError, OSError) as error:
         raise click.ClickException(str(error)) from error
 
-    job = FitJob(chosen, px_per_cm, folds, method, mask, out, plot, plot_stages)
+    job = FitJob(chosen, px_per_cm, folds, method, mask, out, plot, plot_stages, known)
     failed = 0
     with _warnings_name_the_image(), outputs as show:
         for image, outcome in _run_all(job, images, jobs):

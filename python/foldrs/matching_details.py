@@ -31,10 +31,12 @@ def matching_details(result: FitResult, parameters: Parameters | None = None) ->
     Returns
     -------
     MatchingDetails
-        The candidate creases (px), and for the best matches the piece of the seen outline (px) and that of
+        The candidate creases (px; of the view from above, if that is where the result was found), and for the best matches the piece of the seen outline (px) and that of
         the template as given (template units).
     """
     parameters = parameters or Parameters()
+    if result.from_above is not None:
+        result = result.from_above.result
     given, placed = result.original_template.outline, result.unfolded_outline_image
     scale = np.sqrt(abs(_core.signed_area(placed) / _core.signed_area(result.template.outline)))
     mirrored = _core.signed_area(placed) * _core.signed_area(result.template.outline) < 0

@@ -116,6 +116,21 @@ def find_outline(
     return _outline_in_photograph(as_rgb(array), mask, p)
 
 
+def as_photograph(source: str | os.PathLike[str] | npt.ArrayLike) -> RgbImage | None:
+    """Read the photograph that `source` is, as :func:`find_outline` takes it; None of a mask or points.
+
+    Raises
+    ------
+    ImageNotFoundError, NotAnImageError, InvalidOutlineError
+        As :func:`find_outline`.
+    """
+    if isinstance(source, str | os.PathLike):
+        return read_image(Path(source))
+    array = _as_array(source)
+    is_mask = array.dtype == np.bool_ and array.ndim == 2
+    return None if is_mask or _has_outline_shape(array) else as_rgb(array)
+
+
 def as_outline(points: npt.ArrayLike) -> Outline:
     """Bring points into an (n, 2) float64 outline.
 

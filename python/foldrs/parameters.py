@@ -358,6 +358,78 @@ class PictureParameters:
 
 
 @dataclass(frozen=True)
+class ScaleParameters:
+    """Markers and sheets of known size lying on the table."""
+
+    corner_noise: float = 0.3
+    """px: spread of a corner found in the picture; sub-pixel methods reach 0.1 to 0.5."""
+    focal: float = 1.1
+    """Focal length expected of an unknown camera, longer sides of the picture: a field of view of 50 degrees."""
+    focal_spread: float = 0.3
+    """Spread of its logarithm: 37 to 65 degrees."""
+    tilt_spread: float = 0.4
+    """Radians: spread of the camera's tilt expected (23 degrees). One small marker says little about the tilt;
+    then the view is taken for one from above rather than for a steep one."""
+    worst_corner: float = 2.0
+    """px: corners farther than this from where the plane has them belong to no marker of that size on it; of
+    a picture of 640 px, larger ones in proportion."""
+    most_tilt: float = 65.0
+    """Degrees beyond which a sheet is not taken for one."""
+    quiet_zone: float = 0.25
+    """White around a marker that is taken for part of it, as a share of its side: two modules of most."""
+    most_paper: float = 700.0
+    """cm2: largest paper around a marker that is taken for part of it, a little more than A4."""
+    paper_likeness: float = 12.0
+    """Colour difference up to which what adjoins a marker's quiet zone is its paper."""
+    rim: float = 2.0
+    """px, of a picture of 320 px, larger ones in proportion: what is painted over around a marker or sheet
+    besides, its shadow."""
+    whiteness: float = 12.0
+    """Chroma (CIELAB) up to which a sheet is white; warm light gives white paper some 8."""
+    brightness: float = 60.0
+    """Least lightness (CIELAB) of a sheet of white paper; it must be lighter than the table around, too."""
+    step: float = 6.0
+    """Lightness by which a sheet stands out from what lies around it."""
+    evenness: float = 6.0
+    """Largest spread of a sheet's lightness: paper has no pattern."""
+    least_side: float = 0.03
+    """Shortest side of a sheet, as a share of the picture's longer side: its corners could not be told."""
+    straight: float = 0.02
+    """Largest mean distance of a sheet's rim from its straight sides, as a share of their length."""
+    proportion: float = 0.025
+    """Largest distance of a sheet's corner from where its proportions have it, the camera's tilt accounted
+    for, as a share of its size."""
+
+
+@dataclass(frozen=True)
+class DepthParameters:
+    """Depth images: cloth told from the table by its height."""
+
+    side: int = 640
+    """px: depth images with a longer side are made smaller; sensors resolve no more."""
+    samples: int = 20000
+    """Pixels that the table's plane is fitted to: more changes nothing."""
+    tolerance: float = 0.006
+    """Largest distance of the table's pixels from its plane, as a share of their depth: noise, and tables that
+    are not quite flat."""
+    trials: int = 200
+    """Triples of pixels tried: with half of them table, one of them is table alone for certain."""
+    seed: int = 0
+    """Seed of the triples: the same input gives the same output."""
+    least_table: float = 0.2
+    """Share of the picture that must lie on one plane."""
+    blur: float = 1.5
+    """px: Gaussian blur of the heights, against the sensor's noise."""
+    clear: float = 4.0
+    """Height, in spreads of the table's, from which on a pixel stands out."""
+    sure: float = 7.0
+    """Median height of the cloth, in the same, from which on the depth is asked where the garment is. Below,
+    the colours tell it better."""
+    weight: float = 1.0
+    """Weight of steps in height beside edges of colour, each measured by what is usual within the garment."""
+
+
+@dataclass(frozen=True)
 class AlternativeParameters:
     """How many explanations are told apart, and how sure each is."""
 
@@ -388,3 +460,5 @@ class Parameters:
     picture: PictureParameters = field(default_factory=PictureParameters)
     grasp: GraspParameters = field(default_factory=GraspParameters)
     alternatives: AlternativeParameters = field(default_factory=AlternativeParameters)
+    scale: ScaleParameters = field(default_factory=ScaleParameters)
+    depth: DepthParameters = field(default_factory=DepthParameters)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _core
 from foldrs.alternatives import distinct, with_probabilities
+from foldrs.camera import Camera, Pose, TablePlane
 from foldrs.errors import NoHypothesisError, ParameterError
 from foldrs.explanation import Explanation
 from foldrs.fitting import fit_iteratively
@@ -22,9 +23,11 @@ from foldrs.joint_fit import fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import GraspParameters, Parameters
-from foldrs.picture import colour_edges
+from foldrs.picture import colour_edges, with_heights
 from foldrs.result import FitResult, FittedTemplate
+from foldrs.scale import Reference
 from foldrs.stages import FittingPass, fitting_passes
+from foldrs.survey import survey
 from foldrs.template import Template, builtin_templates, load_template
 
 Source: TypeAlias = str | os.PathLike[str] | ArrayLike
@@ -42,6 +45,10 @@ def fit(
     folds: Folds = 1,
     method: Method = "best",
     mask: Source | None = None,
+    table: TablePlane | Reference | None = None,
+    camera: Camera | None = None,
+    depth: Source | None = None,
+    robot_base: Pose | None = None,
     parameters: Parameters | None = None,
 ) -> FitResult:
     """Explain one folded garment: which it is, where it is folded, where its landmarks are.
@@ -62,6 +69,18 @@ def fit(
         The published method, or whatever is most accurate.
     mask : path or (h, w) array, optional
         The garment's mask; the photograph is not segmented then.
+    table : TablePlane, Marker or Sheet, optional
+        The plane of the table, or what of known size lies on it and tells the plane: a
+        :class:`foldrs.scale.Marker` or :class:`foldrs.scale.Sheet`. The scale is known then, the camera may
+        look at an angle, and the result is told in cm on the table as well. Without it the picture is taken
+        to be one from straight above.
+    camera : Camera, optional
+        Intrinsic parameters of the camera, for markers, sheets and depth images; a `TablePlane` has its own.
+    depth : path or (h, w) array, optional
+        Distance along the camera's axis, pixel on pixel with the photograph: whole numbers are mm, floats m.
+        With a `camera` it tells the table's plane too.
+    robot_base : Pose, optional
+        The table's frame in that of the robot's base; the result is told there as well, in metres.
     parameters : Parameters, optional
         Parameters of all stages.
 
@@ -94,8 +113,20 @@ def fit(
     check_method(method)
     chosen = choose_templates(templates, garment_type)
 
-    found = find_outline(source, mask=mask, parameters=parameters.outline)
-    seen = _core.Seen(found.points, asdict(parameters.matching))
+    ground = survey(
+        source,
+        mask,
+        px_per_cm=px_per_cm,
+        table=table,
+        camera=camera,
+        depth=depth,
+        robot_base=robot_base,
+        parameters=parameters,
+    )
+    found = find_outline(ground.source, mask=ground.mask, parameters=parameters.outline)
+    sight = ground.sight(found)
+    px_per_cm = sight.px_per_cm or px_per_cm
+    seen = _core.Seen(sight.points, asdict(parameters.matching))
     segmented = time.perf_counter()
 
     stages: tuple[FittingPass, ...] = ()
@@ -107,7 +138,9 @@ def fit(
         wide = parameters.fitting
         grasp = replace(parameters.grasp, snap=wide.snap, snap_corner=wide.snap_corner)
     else:
-        edges = None if found.rgb is None else colour_edges(found.rgb, parameters.picture)
+        edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
+        if edges is not None and sight.heights is not None:
+            edges = with_heights(edges, sight.heights, sight.points, parameters.depth.weight)
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, parameters)
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp
@@ -119,9 +152,9 @@ def fit(
     best = distinct(explanations, parameters.alternatives)
     matched = time.perf_counter()
 
-    return result_of(
+    result = result_of(
         best,
-        found.points,
+        sight.points,
         grasp,
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
         timings={"outline": segmented - start, "matching": matched - segmented},
@@ -130,6 +163,7 @@ def fit(
         candidate_creases=tuple(seen.sides),
         stages=stages,
     )
+    return sight.in_photograph(result)
 
 
 def result_of(

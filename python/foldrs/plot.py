@@ -63,7 +63,7 @@ def draw_result(
 
     The panels: the photograph with crease, garment unfolded, landmarks and best grasp pair; the fitted
     template with its axis; the template folded, over the outline seen; and the distinct explanations with
-    their probabilities.
+    their probabilities. A result of a camera that looks at an angle is drawn in the view from above.
 
     Parameters
     ----------
@@ -89,6 +89,8 @@ def draw_result(
     from matplotlib.figure import Figure
 
     photo = None if image is None else as_rgb(image)
+    if result.from_above is not None:
+        result, photo = result.from_above.result, None if image is None else result.from_above.picture
     details = details or MatchingDetails()
     if figure is None:
         figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI, facecolor="white")

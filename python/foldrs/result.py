@@ -32,6 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from foldrs.camera.frames import ResultInFrame
+    from foldrs.image import RgbImage
     from foldrs.stages import FittingPass
 
 SCHEMA = 1
@@ -124,6 +126,19 @@ class Alternative:
 
 
 @dataclass(frozen=True, eq=False)
+class FromAbove:
+    """The garment as seen from straight above, where the camera looks at the table at an angle."""
+
+    result: FitResult
+    """The same answer; its image coordinates are px of this view."""
+    picture: RgbImage | None
+    """(h, w, 3) uint8: the photograph as seen from above, the part around the garment; None if there is
+    none."""
+    px_per_cm: float
+    """Scale of the view."""
+
+
+@dataclass(frozen=True, eq=False)
 class FitResult:
     """A folded garment explained.
 
@@ -162,6 +177,13 @@ class FitResult:
     stages: tuple[FittingPass, ...] = ()
     """Every intermediate outline of the published method, pass by pass, the template as given first; empty
     for other methods; not in the JSON form."""
+    from_above: FromAbove | None = None
+    """The view in which the answer was found, if the table's plane is known; not in the JSON form. `stages`
+    are in its px."""
+    table: ResultInFrame | None = None
+    """The same on the table, in cm, if its plane is known."""
+    robot: ResultInFrame | None = None
+    """The same in the robot's base, in metres, if it is given."""
 
     @property
     def fold(self) -> Fold:
@@ -170,6 +192,11 @@ class FitResult:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain numbers, lists and dictionaries: the JSON form."""
+        return self._in_image() | {
+            name: frame.to_dict() for name, frame in (("table", self.table), ("robot", self.robot)) if frame
+        }
+
+    def _in_image(self) -> dict[str, Any]:
         return {
             "schema": SCHEMA,
             "image": self.image,
@@ -201,8 +228,8 @@ class FitResult:
             "unfolding": {
                 "two_arms": None
                 if self.unfolding.two_arms is None
-                else [_move(move) for move in self.unfolding.two_arms],
-                "one_arm": None if self.unfolding.one_arm is None else _move(self.unfolding.one_arm),
+                else [move_to_dict(move) for move in self.unfolding.two_arms],
+                "one_arm": None if self.unfolding.one_arm is None else move_to_dict(self.unfolding.one_arm),
             },
             "alternatives": [
                 {
@@ -244,16 +271,17 @@ def written_whole(path: Path) -> Iterator[Path]:
         raise
 
 
-def _plain(points: Points) -> list[Any]:
-    rounded: list[Any] = np.round(points, 4).tolist()
+def _plain(points: Points, digits: int = 4) -> list[Any]:
+    rounded: list[Any] = np.round(points, digits).tolist()
     return rounded
 
 
-def _move(move: GraspMove) -> dict[str, Any]:
+def move_to_dict(move: GraspMove, digits: int = 4) -> dict[str, Any]:
+    """Return a move in the JSON form, points rounded to so many decimals."""
     return {
         "landmark": move.landmark,
-        "pick": _plain(move.pick),
-        "place": _plain(move.place),
+        "pick": _plain(move.pick, digits),
+        "place": _plain(move.place, digits),
         "clearance": round(move.clearance, 4) if math.isfinite(move.clearance) else None,
     }
 

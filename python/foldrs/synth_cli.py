@@ -58,6 +58,14 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
     help="Of the pictures, px.",
 )
 @click.option(
+    "--tilt",
+    type=float,
+    default=0.0,
+    metavar="DEGREES",
+    help="Tilt of the camera; also writes NAME.homography.json and NAME.camera.json.",
+)
+@click.option("--depth", is_flag=True, help="Also write a depth image, NAME.depth.tiff (floats, m).")
+@click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="The same seed, the same scenes."
 )
 @click.option("--png", is_flag=True, help="Write PNG images, without loss, instead of JPEG.")
@@ -72,6 +80,8 @@ def synth_command(
     scenarios: tuple[str, ...],
     px_per_cm: float,
     size: tuple[int, int],
+    tilt: float,
+    depth: bool,
     seed: int,
     png: bool,
     jobs: int | None,
@@ -88,7 +98,12 @@ def synth_command(
 
     try:
         parameters = SynthParameters(
-            image_size=size, px_per_cm=px_per_cm, folds=folds, scenarios=scenarios or SCENARIOS
+            image_size=size,
+            px_per_cm=px_per_cm,
+            folds=folds,
+            scenarios=scenarios or SCENARIOS,
+            tilt_deg=tilt,
+            depth=depth,
         )
         sources = garments(kinds, templates, outlines)
         console = Console(stderr=True)

@@ -17,7 +17,8 @@ creases              scenes folded twice: which of the creases seen a predicted 
 EucDist              distance of the template's outline from the garment's, before folding
 ==================== ========================================================================================
 
-Of all symmetries of the kind the one kindest to the prediction counts.
+Scenes pictured at an angle are measured in the view from above, see :mod:`~foldrs.evaluation.rectified`. Of all
+symmetries of the kind the one kindest to the prediction counts.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ from foldrs.evaluation.geometry import (
     mirrored,
 )
 from foldrs.evaluation.kinds import Kind, Relabelling
+from foldrs.evaluation.rectified import prediction_from_above, scene_from_above
 from foldrs.evaluation.scenes import Scene
 
 Points = NDArray[np.float64]
@@ -125,7 +127,15 @@ def measure(scene: Scene, prediction: Mapping[str, Any], kind: Kind) -> SceneMea
         The result's JSON form, :meth:`foldrs.FitResult.to_dict`: what is measured is what was written.
     kind : Kind
         Landmarks and symmetries of the scene's kind.
+
+    Raises
+    ------
+    CalibrationError
+        The scene was pictured at an angle, and the prediction lies beyond the table's horizon.
     """
+    if scene.plane is not None:
+        prediction = prediction_from_above(scene, prediction)
+        scene = scene_from_above(scene)
     row = replace(
         failed(scene, ""),
         predicted_type=prediction["garment_type"],

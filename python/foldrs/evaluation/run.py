@@ -40,10 +40,12 @@ class Evaluation:
     templates: Sequence[Template]
     """All templates there are. They tell what a kind's landmarks and symmetries are in every protocol."""
     px_per_cm: float | None = None
-    """Known scale; None to have it found."""
+    """Known scale; None to have it found. Scenes with a homography need none."""
     method: Method = "best"
     true_outlines: bool = False
     """Give the true outline instead of the photograph: the matching alone, without the segmentation."""
+    calibrated: bool = True
+    """Use the homographies and depth images that lie beside the scenes; they are always measured by them."""
     out: Path | None = None
     """Folder for the predictions, NAME.json each."""
     watch: Callable[[Scene, FitResult | None, SceneMeasures], None] | None = None
@@ -80,12 +82,16 @@ class Evaluation:
         path = None if self.out is None else self.out / f"{scene.name}.json"
         if path is not None:
             path.unlink(missing_ok=True)
+        drawn = self.true_outlines or scene.image is None
+        plane = scene.plane if self.calibrated else None
         result = fit(
-            scene.outline_image if self.true_outlines or scene.image is None else scene.image,
+            scene.outline_image if drawn else scene.image,
             garment_type=None if self.protocol == "open" else scene.garment_type,
             templates=competing,
-            px_per_cm=self.px_per_cm,
+            px_per_cm=self.px_per_cm if plane is None else None,
             method=self.method,
+            table=plane,
+            depth=scene.depth if self.calibrated and not drawn else None,
         )
         if path is not None:
             result.save(path)

@@ -4,13 +4,15 @@ A folder of scenes holds NAME.json, the ground truth, and NAME.jpg or another im
 are ``type``, ``px_per_cm``, ``axis_garment``, ``outline_garment``, ``outline_image``, ``unfolded_image`` and
 ``landmarks`` (NAME: ``garment``, ``image``, ``on_outline``, ``accessible``); of scenes folded twice also
 ``second_fold.axis_image`` and ``creases_image``; ``garment`` and ``scenario`` for the record, ``axis_image``
-to be drawn. The garment frame is the unfolded garment, the image frame the picture; both in px of one scale.
+to be drawn. The garment frame is the unfolded garment, the image frame the picture; both in px of one scale,
+unless NAME.homography.json (from image px to cm on the table) tells that the picture was taken at an angle.
+NAME.depth.tiff, .png or .npy is a depth image.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +20,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from foldrs.camera import TablePlane, load_homography
 from foldrs.errors import ParameterError
 
 Points = NDArray[np.float64]
 
+_DEPTHS = (".depth.tiff", ".depth.png", ".depth.npy")
 _IMAGES = (".jpg", ".jpeg", ".png", ".webp", ".tif", ".tiff")
 
 
@@ -65,6 +69,10 @@ class Scene:
     """The photograph; None if the outline is all there is."""
     axis_image: Points | None = None
     """(2, 2) px: the axis in the image, to be drawn; None if the truth does not tell."""
+    plane: TablePlane | None = None
+    """The table, of a picture taken at an angle."""
+    depth: Path | None = None
+    """The depth image, if there is one."""
 
     @property
     def folded_twice(self) -> bool:
@@ -124,6 +132,8 @@ def scene_from_truth(truth: Mapping[str, Any], path: Path) -> Scene:
             creases=tuple(_points(crease, 2) for crease in creases),
             image=_image_beside(path),
             axis_image=_points(truth["axis_image"], 2) if "axis_image" in truth else None,
+            plane=_plane_beside(path),
+            depth=_first_beside(path, _DEPTHS),
         )
     except KeyError as error:
         raise ParameterError(f"{path}: not the ground truth of a scene, field {error} is missing") from error
@@ -136,8 +146,19 @@ def scene_from_truth(truth: Mapping[str, Any], path: Path) -> Scene:
 
 def _image_beside(path: Path) -> Path:
     """Find the photograph of a scene; if there is none, the name it should have, for the error to tell."""
-    found = (path.with_suffix(suffix) for suffix in _IMAGES)
-    return next((image for image in found if image.is_file()), path.with_suffix(_IMAGES[0]))
+    return _first_beside(path, _IMAGES) or path.with_suffix(_IMAGES[0])
+
+
+def _plane_beside(path: Path) -> TablePlane | None:
+    """Read the homography of a scene, if there is one."""
+    file = _first_beside(path, (".homography.json",))
+    return None if file is None else load_homography(file)
+
+
+def _first_beside(path: Path, suffixes: Sequence[str]) -> Path | None:
+    """First file that has the scene's name and one of the suffixes."""
+    found = (path.with_suffix(suffix) for suffix in suffixes)
+    return next((file for file in found if file.is_file()), None)
 
 
 def _points(values: object, least: int) -> Points:

@@ -21,7 +21,7 @@ from .masks import largest_part, resized, single_object, tidied
 from .rim import snap_to_rim
 from .table import FloatImage, tell_cloth
 
-__all__ = ["segment"]
+__all__ = ["refined", "segment"]
 
 _LEAST_SIDE = 24  # px of the coarse picture: below, a frame and a garment do not both fit
 
@@ -69,8 +69,34 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
         )
     guess = single_object(standing_out, p, p.merge_gap)
     _check_extent(guess, p)
-    mask = single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap)
-    mask = snap_to_rim(coarse_lab, mask, p)
+    return refined(rgb, single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap), p)
+
+
+def refined(rgb: RgbImage, mask: Mask, parameters: OutlineParameters | None = None) -> Mask:
+    """Move the rim of a mask of any size to where cloth meets table, as far as the colours show it.
+
+    Parameters
+    ----------
+    rgb : (h, w, 3) uint8
+        The photograph.
+    mask : bool array
+        The garment within a few px of the coarse picture, as large as the photograph or smaller.
+    parameters : OutlineParameters, optional
+
+    Returns
+    -------
+    (h, w) bool
+        The garment: one part, without holes.
+
+    Raises
+    ------
+    NoGarmentError
+        It is a speck, or covers the picture.
+    """
+    p = OutlineParameters() if parameters is None else parameters
+    fine = _scaled(rgb, p.fine_side)
+    coarse = _scaled(fine, p.coarse_side)
+    mask = snap_to_rim(_lab(coarse), resized(mask, coarse.shape[:2]), p)
     mask = snap_to_rim(_lab(fine), resized(mask, fine.shape[:2]), _finer(p))
     _check_extent(mask, p)
     whole = resized(mask, rgb.shape[:2])

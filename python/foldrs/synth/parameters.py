@@ -112,6 +112,22 @@ class SynthParameters:
     noise: float = 2.0
     """Standard deviation of the camera's noise, grey levels of 256."""
 
+    tilt_deg: float = 0.0
+    """Angle between the camera's axis and the table's normal, degrees; its direction is random. 0 looks from
+    straight above; the scale then holds for the middle of the picture."""
+
+    depth: bool = False
+    """Whether a depth image is made, too."""
+
+    thickness_cm: tuple[float, float] = (0.12, 0.35)
+    """Smallest and largest thickness of a layer of cloth in the depth image: a shirt's, and a towel's."""
+
+    bulge_cm: float = 0.08
+    """Typical height of the bulges by which cloth does not lie flat."""
+
+    depth_noise_cm: float = 0.1
+    """Standard deviation of the depth image's noise: a millimetre at a metre and a half is a good sensor."""
+
     on_outline_cm: float = 0.75
     """A landmark no farther than this from the folded outline counts as lying on it."""
 
@@ -126,7 +142,9 @@ class SynthParameters:
         self._check("px_per_cm", self.px_per_cm, 0.5, 100)
         self._check("size_range", self.size_range, 0.05, 20, count=2)
         self._check("flap_fraction", self.flap_fraction, 0.01, 0.5, count=2)
-        for name, low_high in (("size_range", self.size_range), ("flap_fraction", self.flap_fraction)):
+        self._check("thickness_cm", self.thickness_cm, 0.01, 5, count=2)
+        for name in ("size_range", "flap_fraction", "thickness_cm"):
+            low_high = getattr(self, name)
             if low_high[0] > low_high[1]:
                 raise ParameterError(f"{name} is {low_high}: give the smaller bound first.")
         for name in (
@@ -144,6 +162,9 @@ class SynthParameters:
         for name in ("stretch", "bow", "wrinkles", "warmth"):
             self._check(name, getattr(self, name), 0, 0.5)
         self._check("flap_turn_deg", self.flap_turn_deg, 0, 10)
+        self._check("tilt_deg", self.tilt_deg, 0, 60)
+        self._check("bulge_cm", self.bulge_cm, 0, 5)
+        self._check("depth_noise_cm", self.depth_noise_cm, 0, 10)
         self._check("contrast", self.contrast, 0, 60)
         self._check("noise", self.noise, 0, 64)
         if self.folds not in (1, 2):

@@ -38,6 +38,8 @@ class Pose:
         Turn, mirror image and scale, px per cm.
     offset : ndarray of shape (2,)
         Position in the picture, px.
+    camera : ndarray of shape (3, 3), optional
+        Homography from this view from above to the picture of a camera that looks at an angle, px both.
     """
 
     waves: Points
@@ -45,6 +47,7 @@ class Pose:
     phases: NDArray[np.float64]
     matrix: Points
     offset: Points
+    camera: Points | None = None
 
     @property
     def mirrored(self) -> bool:
@@ -54,10 +57,12 @@ class Pose:
     def to_image(self, points: Points) -> Points:
         """Carry points on the table (cm), shape (n, 2), to the picture (px)."""
         bent = points + self._displacement(points)
-        return np.asarray(bent @ self.matrix.T + self.offset, dtype=np.float64)
+        above = np.asarray(bent @ self.matrix.T + self.offset, dtype=np.float64)
+        return above if self.camera is None else seen_by(self.camera, above)
 
     def to_table(self, points: Points) -> Points:
         """Carry points of the picture (px), shape (n, 2), back to the table (cm)."""
+        points = points if self.camera is None else seen_by(np.linalg.inv(self.camera), points)
         bent = (points - self.offset) @ np.linalg.inv(self.matrix).T
         flat = np.asarray(bent, dtype=np.float64)
         for _ in range(3):  # the displacement changes slowly: three steps leave less than 0.1 mm
@@ -66,6 +71,12 @@ class Pose:
 
     def _displacement(self, points: Points) -> Points:
         return np.asarray(np.sin(points @ self.waves.T + self.phases) @ self.amplitudes, dtype=np.float64)
+
+
+def seen_by(homography: Points, points: Points) -> Points:
+    """Carry points, shape (n, 2), by a homography."""
+    carried = np.column_stack([points, np.ones(len(points))]) @ homography.T
+    return np.asarray(carried[:, :2] / carried[:, 2:], dtype=np.float64)
 
 
 def draw_pose(rings: list[Points], rng: np.random.Generator, parameters: SynthParameters) -> Pose:

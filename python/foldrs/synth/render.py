@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from foldrs.synth.camera import TableCamera
 from foldrs.synth.cloth import Cloth, draw_cloth
 from foldrs.synth.garment import Points
 from foldrs.synth.layers import Layer
@@ -39,6 +40,7 @@ def render(
     masks: LayerMasks,
     rng: np.random.Generator,
     parameters: SynthParameters,
+    camera: TableCamera | None = None,
 ) -> NDArray[np.uint8]:
     """Picture folded cloth on a table.
 
@@ -56,6 +58,8 @@ def render(
         Source of all randomness.
     parameters : SynthParameters
         Textures, light and camera.
+    camera : TableCamera, optional
+        A camera that looks at an angle.
 
     Returns
     -------
@@ -64,6 +68,8 @@ def render(
     """
     picture = draw_table(rng, parameters)
     cloth = draw_cloth(outline, picture, rng, parameters)
+    if camera is not None:
+        picture = camera.seen(picture)
     lamp = rng.uniform(0.0, 2 * np.pi)
     shadow = parameters.shadow * rng.uniform(0.5, 1.0)
     picture_window = _padded(masks, parameters)

@@ -14,7 +14,7 @@ import numpy as np
 from foldrs.synth.garment import Garment, Points
 from foldrs.synth.layers import Fold, Layer, crease_pieces, layer_of
 from foldrs.synth.parameters import SynthParameters
-from foldrs.synth.pose import Pose
+from foldrs.synth.pose import Pose, seen_by
 from foldrs.synth.raster import FINE, LayerMasks, Mask, outlines
 
 _LARGEST_GAP_CM2 = 1.0
@@ -88,6 +88,33 @@ def describe(
             "flap_under": second.under,
         }
     return truth
+
+
+def seen_at_an_angle(truth: dict[str, Any], camera: Points) -> dict[str, Any]:
+    """Tell the truth of a view from above for a camera that looks at an angle.
+
+    Parameters
+    ----------
+    truth : dict
+        What :func:`describe` tells.
+    camera : ndarray of shape (3, 3)
+        Homography from the view from above to the picture, px both.
+    """
+
+    def moved(points: Any) -> list[Any]:
+        flat = np.asarray(points, dtype=np.float64)
+        return _written(seen_by(camera, flat.reshape(-1, 2)).reshape(flat.shape))
+
+    fields = ("axis_image", "unfolded_image", "outline_image")
+    seen = truth | {field: moved(truth[field]) for field in fields}
+    seen["creases_image"] = [moved(crease) for crease in truth["creases_image"]]
+    seen["landmarks"] = {
+        name: mark | {"image": moved(mark["image"])} for name, mark in truth["landmarks"].items()
+    }
+    if "second_fold" in truth:
+        second = truth["second_fold"]
+        seen["second_fold"] = second | {"axis_image": moved(second["axis_image"])}
+    return seen
 
 
 def _landmarks(
