@@ -129,7 +129,9 @@ def _white_quads(rgb: RgbImage, parameters: ScaleParameters) -> Iterator[Points]
         for contour in contours:
             quad = _quad_of(contour, least, parameters)
             if quad is not None and _is_paper(lab, quad, parameters):
-                yield (quad + 0.5) / factor - 0.5
+                quad = _placed(lab, quad, least, parameters)
+                if quad is not None:
+                    yield (quad + 0.5) / factor - 0.5
 
 
 def _quad_of(contour: npt.NDArray[np.int32], least: float, parameters: ScaleParameters) -> Points | None:
@@ -152,7 +154,7 @@ def _quad_of(contour: npt.NDArray[np.int32], least: float, parameters: ScalePara
         share = (points - a) @ along / length
         off = (points - a) @ np.array([-along[1], along[0]])
         own = points[(share > 0.1) & (share < 0.9) & (np.abs(off) < 0.06 * length)]
-        if len(own) < 0.6 * length:
+        if len(own) < 0.5 * length:  # a diagonal has 0.57 pixels a px of its middle part
             return None
         middle = own.mean(axis=0)
         _, spread, directions = np.linalg.svd(own - middle, full_matrices=False)
@@ -167,6 +169,21 @@ def _quad_of(contour: npt.NDArray[np.int32], least: float, parameters: ScalePara
     middle = quad.mean(axis=0)
     size = math.sqrt(cv2.contourArea(quad.astype(np.float32)))
     return np.asarray(middle + (quad - middle) * (1 + 1 / max(size, 1.0)))
+
+
+def _placed(
+    lab: npt.NDArray[np.float32], quad: Points, least: float, parameters: ScaleParameters
+) -> Points | None:
+    """Move a sheet's sides to where its colour turns into that around it; None if it has no four sides then."""
+    shape = lab.shape[:2]
+    inside = filled_quads([quad], shape, -0.15)
+    near = filled_quads([quad], shape, 0.3)
+    around = near & ~filled_quads([quad], shape, 0.15)
+    paper, table = (np.median(lab[where], axis=0) for where in (inside, around))
+    across = (paper - table) / float(np.square(paper - table).sum())
+    sheet = near & ((lab - table) @ across > 0.5)
+    contours, _ = cv2.findContours(sheet.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return _quad_of(max(contours, key=cv2.contourArea), least, parameters) if contours else None
 
 
 def _meeting(line: tuple[Points, Points], other: tuple[Points, Points]) -> Points | None:
