@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from foldrs.scale import Reference
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 _FILE = click.Path(path_type=Path, dir_okay=False)
 
-_OPTIONS = (
-    click.option("--homography", type=_FILE, help="3 x 3 matrix from image px to cm on the table."),
-    click.option(
-        "--camera", type=_FILE, help="Calibration of the camera (ROS or OpenCV), perhaps with the table's pose."
-    ),
-    click.option("--table-pose", type=_FILE, help="Pose of the table in the camera's frame, for --camera."),
+_REFERENCE_OPTIONS = (
     click.option(
         "--marker",
         "marker_cm",
@@ -27,6 +25,17 @@ _OPTIONS = (
     ),
     click.option("--marker-family", metavar="NAME", help="Their family, for instance apriltag-36h11."),
     click.option("--a4", is_flag=True, help="A white sheet of A4 lies on the table."),
+)
+
+_CAMERA_OPTIONS = (
+    click.option("--homography", type=_FILE, help="3 x 3 matrix from image px to cm on the table."),
+    click.option(
+        "--camera",
+        type=_FILE,
+        help="Calibration of the camera (ROS or OpenCV), perhaps with the table's pose.",
+    ),
+    click.option("--table-pose", type=_FILE, help="Pose of the table in the camera's frame, for --camera."),
+    *_REFERENCE_OPTIONS,
     click.option(
         "--depth",
         type=_FILE,
@@ -37,10 +46,38 @@ _OPTIONS = (
 
 
 def camera_options(command: Command) -> Command:
-    """Add the options to a command; :func:`known_of_table` reads what they give."""
-    for option in reversed(_OPTIONS):
+    """Add all options to a command; :func:`known_of_table` reads what they give."""
+    return _with(command, _CAMERA_OPTIONS)
+
+
+def reference_options(command: Command) -> Command:
+    """Add those for markers and sheets; :func:`reference_of` reads what they give."""
+    return _with(command, _REFERENCE_OPTIONS)
+
+
+def _with(command: Command, options: Sequence[Callable[[Command], Command]]) -> Command:
+    for option in reversed(options):
         command = option(command)
     return command
+
+
+def reference_of(marker_cm: float | None, family: str | None, a4: bool) -> Reference | None:
+    """Make what the options for markers and sheets ask for.
+
+    Raises
+    ------
+    ParameterError
+        The marker is none.
+    click.UsageError
+        Options contradict each other.
+    """
+    from foldrs.scale import A4, Marker
+
+    if marker_cm is not None and a4:
+        raise click.UsageError("of --marker and --a4 give one only")
+    if family is not None and marker_cm is None:
+        raise click.UsageError("--marker-family needs --marker")
+    return A4 if a4 else None if marker_cm is None else Marker(marker_cm, family)
 
 
 def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
@@ -66,33 +103,26 @@ def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
         Options contradict each other.
     """
     from foldrs.camera import TablePlane, load_camera, load_homography, load_pose
-    from foldrs.scale import A4, Marker
 
-    told = [name for name in ("homography", "marker_cm", "a4") if options[name]]
-    if len(told) > 1:
-        raise click.UsageError("of --homography, --marker and --a4 give one only")
-    for name, needed in (("table_pose", "camera"), ("marker_family", "marker_cm")):
-        if options[name] is not None and options[needed] is None:
-            raise click.UsageError(f"--{name.replace('_', '-')} needs --{needed.removesuffix('_cm')}")
+    reference = reference_of(options["marker_cm"], options["marker_family"], options["a4"])
+    homography, calibration, pose_file = (options[name] for name in ("homography", "camera", "table_pose"))
+    if homography is not None and (reference is not None or calibration is not None):
+        raise click.UsageError("--homography goes without --camera, --marker and --a4")
+    if pose_file is not None and (calibration is None or reference is not None):
+        raise click.UsageError("--table-pose needs --camera, and goes without --marker and --a4")
     if options["depth"] is not None and images > 1:
         raise click.UsageError("--depth goes with a single IMAGE")
-    if options["homography"] is not None and options["camera"] is not None:
-        raise click.UsageError("of --homography and --camera give one only")
 
-    known: dict[str, Any] = {"depth": options["depth"]}
+    known: dict[str, Any] = {"depth": options["depth"], "table": reference}
     if options["robot_base"] is not None:
         known["robot_base"] = load_pose(options["robot_base"])
-    if options["homography"] is not None:
-        known["table"] = load_homography(options["homography"])
-    elif options["marker_cm"] is not None:
-        known["table"] = Marker(options["marker_cm"], options["marker_family"])
-    elif options["a4"]:
-        known["table"] = A4
-    if options["camera"] is not None:
-        camera, pose = load_camera(options["camera"])
-        pose = pose if options["table_pose"] is None else load_pose(options["table_pose"])
-        if pose is None or told:
-            known["camera"] = camera
-        else:
+    if homography is not None:
+        known["table"] = load_homography(homography)
+    if calibration is not None:
+        camera, pose = load_camera(calibration)
+        pose = pose if pose_file is None else load_pose(pose_file)
+        if reference is None and pose is not None:
             known["table"] = TablePlane.of_pose(camera, pose)
+        else:
+            known["camera"] = camera
     return known

@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.errors import DepthError
@@ -36,8 +37,8 @@ class Heights:
     """How high everything lies above the table."""
 
     above: FloatImage
-    """(h, w): height, in spreads of the table's own after `DepthParameters.blur`; 0 where unknown. As large as
-    the photograph or smaller."""
+    """(h, w): height, in spreads of the table's own after `DepthParameters.blur`; 0 where unknown. As
+    large as the photograph or smaller."""
     inverse_depth: npt.NDArray[np.float64]
     """(3,): 1 / depth of the table is their product with (x, y, 1), 1/m; x and y are ideal px."""
 
@@ -55,7 +56,7 @@ class Heights:
         y = np.cross(z, x)
         origin = np.array([0.0, 0.0, 1.0 / normal[2]])
         columns = np.column_stack([x / 100.0, y / 100.0, origin])
-        return TablePlane(np.linalg.inv(camera.matrix @ columns), camera)
+        return TablePlane(inverse(camera.matrix @ columns), camera)
 
 
 def read_depth(source: str | os.PathLike[str] | npt.ArrayLike) -> FloatImage:
@@ -85,14 +86,14 @@ def read_depth(source: str | os.PathLike[str] | npt.ArrayLike) -> FloatImage:
         values = values[:, :, 0]
     if values.ndim != 2 or values.size == 0 or values.dtype.kind not in "uif" or values.dtype == np.uint8:
         raise DepthError(
-            f"{named}A depth image has the shape (h, w) and holds 16-bit whole numbers (mm) or floats (m), this "
-            f"has {values.shape} and holds {values.dtype}."
+            f"{named}A depth image has the shape (h, w) and holds 16-bit whole numbers (mm) or floats (m), "
+            f"this has {values.shape} and holds {values.dtype}."
         )
     metres = values.astype(np.float32) * np.float32(1.0 if values.dtype.kind == "f" else _MILLIMETRE)
-    metres[~(np.isfinite(metres) & (metres > 0))] = np.nan
+    metres = np.where(np.isfinite(metres) & (metres > 0), metres, np.float32(np.nan))
     if np.isnan(metres).all():
         raise DepthError(f"{named}The depth image holds no measurement: all of it is 0 or not finite.")
-    return metres
+    return np.asarray(metres, dtype=np.float32)
 
 
 def heights_above_table(depth: FloatImage, camera: Camera | None, parameters: DepthParameters) -> Heights:
@@ -220,7 +221,7 @@ def _table(
     ransac: Callable[..., Any] = measure.ransac
     sample = np.column_stack([ideal, depth])[:: max(1, len(depth) // parameters.samples)]
     if len(sample) < 3:
-        raise DepthError("The depth image holds hardly a measurement: check that it goes with the photograph.")
+        raise DepthError("The depth image holds hardly a measurement: make a new one.")
     model, inliers = ransac(
         sample,
         _InverseDepth,
@@ -235,9 +236,7 @@ def _table(
     return coefficients
 
 
-def _least_squares(
-    ideal: npt.NDArray[np.float64], depth: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
+def _least_squares(ideal: npt.NDArray[np.float64], depth: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Coefficients of 1 / depth; distances count as shares of the depth."""
     return np.asarray(np.linalg.lstsq(ideal * depth[:, None], np.ones(len(depth)), rcond=None)[0])
 

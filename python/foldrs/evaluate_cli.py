@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from foldrs._camera_options import reference_of, reference_options
 from foldrs._options import px_per_cm_option, report_option, template_option
 from foldrs.errors import FoldrsError
 
@@ -47,6 +48,7 @@ _WIDTH = 110
     is_flag=True,
     help="Do not use the homographies and depth images beside the scenes, as if they were not known.",
 )
+@reference_options
 @click.option(
     "--count", type=click.IntRange(1), default=60, show_default=True, help="Folds of --protocol synthetic."
 )
@@ -68,6 +70,9 @@ def evaluate_command(
     method: Literal["best", "paper"],
     outlines: bool,
     uncalibrated: bool,
+    marker_cm: float | None,
+    marker_family: str | None,
+    a4: bool,
     count: int,
     seed: int,
     jobs: int | None,
@@ -89,6 +94,7 @@ def evaluate_command(
     try:
         check_scale(px_per_cm)
         chosen = choose_templates(templates or None, None)
+        reference = reference_of(marker_cm, marker_family, a4)
         if protocol == "synthetic":
             found, px_per_cm, outlines = virtual_scenes(chosen, count, seed), PX_PER_CM, True
         elif scenes is None:
@@ -101,7 +107,9 @@ def evaluate_command(
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, not uncalibrated, out)
+    evaluation = Evaluation(
+        protocol, chosen, px_per_cm, method, outlines, not uncalibrated, reference, out
+    )
     if report is None:
         rows = _run(evaluation, found, jobs)
     else:
@@ -113,7 +121,7 @@ def evaluate_command(
             click.secho(f"{row.scene}: {row.error}", fg="red", err=True)
     if out is not None:
         options = {"protocol": protocol, "method": method, "px_per_cm": px_per_cm, "true_outlines": outlines}
-        options["calibrated"] = not uncalibrated
+        options |= {"calibrated": not uncalibrated, "marker_cm": marker_cm, "a4": a4}
         if protocol == "synthetic":
             options |= {"count": count, "seed": seed}
         write_csv(rows, out / "evaluation.csv")

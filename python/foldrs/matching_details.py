@@ -31,8 +31,8 @@ def matching_details(result: FitResult, parameters: Parameters | None = None) ->
     Returns
     -------
     MatchingDetails
-        The candidate creases (px; of the view from above, if that is where the result was found), and for the best matches the piece of the seen outline (px) and that of
-        the template as given (template units).
+        The candidate creases, and for the best matches the piece of the seen outline with that of the
+        template as given (template units); px, of the view from above if the result was found in it.
     """
     parameters = parameters or Parameters()
     if result.from_above is not None:

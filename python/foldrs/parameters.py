@@ -364,12 +364,12 @@ class ScaleParameters:
     corner_noise: float = 0.3
     """px: spread of a corner found in the picture; sub-pixel methods reach 0.1 to 0.5."""
     focal: float = 1.1
-    """Focal length expected of an unknown camera, longer sides of the picture: a field of view of 50 degrees."""
+    """Focal length expected of an unknown camera, longer sides of the picture: it sees 50 degrees."""
     focal_spread: float = 0.3
     """Spread of its logarithm: 37 to 65 degrees."""
     tilt_spread: float = 0.4
-    """Radians: spread of the camera's tilt expected (23 degrees). One small marker says little about the tilt;
-    then the view is taken for one from above rather than for a steep one."""
+    """Radians: spread of the camera's tilt expected (23 degrees). One small marker says little about the
+    tilt; then the view is taken for one from above rather than for a steep one."""
     worst_corner: float = 2.0
     """px: corners farther than this from where the plane has them belong to no marker of that size on it; of
     a picture of 640 px, larger ones in proportion."""
@@ -410,8 +410,8 @@ class DepthParameters:
     samples: int = 20000
     """Pixels that the table's plane is fitted to: more changes nothing."""
     tolerance: float = 0.006
-    """Largest distance of the table's pixels from its plane, as a share of their depth: noise, and tables that
-    are not quite flat."""
+    """Largest distance of the table's pixels from its plane, as a share of their depth: noise, and tables
+    that are not quite flat."""
     trials: int = 200
     """Triples of pixels tried: with half of them table, one of them is table alone for certain."""
     seed: int = 0

@@ -1,4 +1,4 @@
-"""Edges of the picture, of colour and height, for the evidence of rims inside the outline (beyond the paper)."""
+"""Edges of colour and height, for the evidence of rims seen inside the outline (beyond the paper)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class ColourEdges:
     """Where and in which direction the colours of a picture change, and the heights if they are known."""
 
     tensor: NDArray[np.float32]
-    """(h, w, 3): structure tensor (xx, xy, yy) of every pixel: of its Lab colours, or of colours and height, each
-    measured by what is usual within the garment."""
+    """(h, w, 3): structure tensor (xx, xy, yy) of every pixel: of its Lab colours, or of colours and height,
+    each measured by what is usual within the garment."""
     scale: float
     """Its pixels a pixel of the picture."""
 
@@ -63,7 +63,8 @@ def with_heights(
         Of the heights beside the colours.
     """
     size = edges.tensor.shape[1::-1]
-    tensor = _structure_tensor(cv2.resize(heights, size, interpolation=cv2.INTER_AREA)[:, :, None])
+    small = np.asarray(cv2.resize(heights, size, interpolation=cv2.INTER_AREA), np.float32)
+    tensor = _structure_tensor(small[:, :, None])
     cloth = np.zeros(size[::-1], np.uint8)
     corners = np.round((outline + 0.5) * edges.scale - 0.5).astype(np.int32)
     cv2.fillPoly(cloth, [corners.reshape(-1, 1, 2)], 1)

@@ -90,7 +90,8 @@ def draw_result(
 
     photo = None if image is None else as_rgb(image)
     if result.from_above is not None:
-        result, photo = result.from_above.result, None if image is None else result.from_above.picture
+        photo = None if image is None else result.from_above.picture
+        result = result.from_above.result
     details = details or MatchingDetails()
     if figure is None:
         figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI, facecolor="white")

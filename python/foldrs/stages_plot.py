@@ -74,7 +74,8 @@ def draw_stages(
         raise ParameterError(f"there is no pass {shown}: the passes are 0 to {len(result.stages) - 1}")
     photo = None if image is None else as_rgb(image)
     if result.from_above is not None:
-        result, photo = result.from_above.result, None if image is None else result.from_above.picture
+        photo = None if image is None else result.from_above.picture
+        result = result.from_above.result
     if figure is None:
         figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI, facecolor="white")
     one = result.stages[shown]

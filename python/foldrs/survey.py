@@ -113,7 +113,9 @@ def survey(
     rgb = as_photograph(source)
     if rgb is None:
         if not isinstance(table, TablePlane) or depth is not None:
-            raise ParameterError("Markers, sheets and depth images go with a photograph, not with an outline or mask.")
+            raise ParameterError(
+                "Markers, sheets and depth images go with a photograph, not with an outline or mask."
+            )
         return Survey(source, mask, table, None, robot_base)
     height, width = rgb.shape[:2]
     if camera is not None:
@@ -151,21 +153,19 @@ def _check(
         raise ParameterError("The table's plane comes with its camera: leave camera out.")
     if camera is not None and table is None and depth is None:
         raise ParameterError(
-            "A camera alone does not tell where the table is: give its pose (TablePlane.of_pose), a marker, a "
-            "sheet or a depth image as well."
+            "A camera alone does not tell where the table is: give its pose (TablePlane.of_pose), a marker, "
+            "a sheet or a depth image as well."
         )
     if camera is not None and depth is not None and px_per_cm is not None:
         raise ParameterError("Camera and depth image tell the scale: leave px_per_cm out.")
     if robot_base is not None and table is None and (camera is None or depth is None):
         raise ParameterError(
-            "For points in the robot's base the table's plane must be known: give a homography, a camera with "
-            "its pose, a marker or a sheet."
+            "For points in the robot's base the table's plane must be known: give a homography, a camera "
+            "with its pose, a marker or a sheet."
         )
 
 
-def _heights(
-    depth: Source, shape: tuple[int, int], camera: Camera | None, parameters: Parameters
-) -> Heights:
+def _heights(depth: Source, shape: tuple[int, int], camera: Camera | None, parameters: Parameters) -> Heights:
     metres = read_depth(depth)
     if metres.shape != shape:
         raise DepthError(

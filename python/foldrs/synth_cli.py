@@ -64,6 +64,15 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
     metavar="DEGREES",
     help="Tilt of the camera; also writes NAME.homography.json and NAME.camera.json.",
 )
+@click.option(
+    "--marker",
+    "marker_cm",
+    type=float,
+    default=0.0,
+    metavar="CM",
+    help="Lay AprilTag markers of that size beside the garment.",
+)
+@click.option("--a4", is_flag=True, help="Lay a white sheet of A4 beside the garment.")
 @click.option("--depth", is_flag=True, help="Also write a depth image, NAME.depth.tiff (floats, m).")
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="The same seed, the same scenes."
@@ -81,6 +90,8 @@ def synth_command(
     px_per_cm: float,
     size: tuple[int, int],
     tilt: float,
+    marker_cm: float,
+    a4: bool,
     depth: bool,
     seed: int,
     png: bool,
@@ -103,6 +114,8 @@ def synth_command(
             folds=folds,
             scenarios=scenarios or SCENARIOS,
             tilt_deg=tilt,
+            marker_cm=marker_cm,
+            sheet=a4,
             depth=depth,
         )
         sources = garments(kinds, templates, outlines)

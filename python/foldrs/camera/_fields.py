@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,8 @@ import numpy as np
 
 from foldrs.errors import CalibrationError
 
-_OPENCV_HEADER = "%YAML:1.0"
-"""First line of OpenCV's files; with a colon, which YAML itself does not allow."""
+_OPENCV = re.compile(r"^%YAML:1\.0|!!opencv-(nd-)?matrix")
+"""What OpenCV adds to YAML: a first line with a colon that YAML does not allow, and types of matrices."""
 
 _METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
@@ -37,22 +38,22 @@ def read_fields(path: Path) -> Mapping[str, Any] | np.ndarray[Any, Any]:
     try:
         text = content.decode()
     except UnicodeDecodeError:
-        raise CalibrationError(f"{path}: is no text: give JSON, YAML, plain numbers, or a .npy file.") from None
+        raise CalibrationError(f"{path}: is no text: give JSON, YAML, numbers, or .npy.") from None
     numbers = _plain_numbers(text)
     if numbers is not None:
         return numbers
-    parsed = _parsed(text.replace(_OPENCV_HEADER, "", 1), path)
+    parsed = _parsed(_OPENCV.sub("", text), path)
     if isinstance(parsed, list):
         parsed = {"matrix": parsed}
     if not isinstance(parsed, dict):
         raise CalibrationError(f"{path}: holds neither fields nor a matrix.")
-    if "data" in parsed and "rows" in parsed:
+    if "data" in parsed and ("rows" in parsed or "sizes" in parsed):
         parsed = {"matrix": parsed}
     return {str(name).lower().replace("_", ""): value for name, value in parsed.items()}
 
 
 def numbers_of(value: Any, field: str, path: Path) -> np.ndarray[Any, Any]:
-    """Numbers of a field: nested lists, or rows, cols and data as ROS and OpenCV write matrices.
+    """Numbers of a field: nested lists, or rows, cols (or sizes) and data as ROS and OpenCV write matrices.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def numbers_of(value: Any, field: str, path: Path) -> np.ndarray[Any, Any]:
     shape = None
     try:
         if isinstance(value, Mapping):
-            shape = (int(value["rows"]), int(value["cols"]))
+            shape = value["sizes"] if "sizes" in value else (int(value["rows"]), int(value["cols"]))
             value = value["data"]
         matrix = np.asarray(value, dtype=np.float64)
         return matrix if shape is None else matrix.reshape(shape)
@@ -102,17 +103,11 @@ def _plain_numbers(text: str) -> np.ndarray[Any, Any] | None:
 
 
 def _parsed(text: str, path: Path) -> Any:
-    """Parse YAML, of which JSON is a part; OpenCV's matrices become fields."""
+    """Parse YAML, of which JSON is a part."""
     import yaml  # only where a file is read
 
-    class Loader(yaml.SafeLoader):
-        """Knows OpenCV's name for a matrix."""
-
-    Loader.add_constructor(
-        "tag:yaml.org,2002:opencv-matrix", lambda loader, node: loader.construct_mapping(node, deep=True)
-    )
     try:
-        return yaml.load(text, Loader)
+        return yaml.safe_load(text)
     except yaml.YAMLError as error:
         reason = " ".join(str(error).split())
         raise CalibrationError(f"{path}: is neither JSON nor YAML ({reason}).") from None

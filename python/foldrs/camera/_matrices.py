@@ -10,6 +10,11 @@ from foldrs.errors import CalibrationError
 Matrix = npt.NDArray[np.float64]
 
 
+def inverse(matrix: npt.ArrayLike) -> Matrix:
+    """Return the inverse of a matrix that is known to have one."""
+    return np.asarray(np.linalg.inv(np.asarray(matrix, dtype=np.float64)), dtype=np.float64)
+
+
 def checked(values: npt.ArrayLike, shape: tuple[int, ...], field: str) -> Matrix:
     """Return finite numbers of a shape as a new array that cannot be written to.
 

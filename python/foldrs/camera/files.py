@@ -25,6 +25,7 @@ FilePath = str | os.PathLike[str]
 _HOMOGRAPHY = ("homography", "h", "matrix")
 _CAMERA = ("cameramatrix", "k", "intrinsics", "intrinsicmatrix")
 _DISTORTION = ("distortioncoefficients", "distcoeffs", "distortion", "d")
+_DISTORTION_FIELD = "distortion_coefficients"
 _POSE = ("tablepose", "tableincamera", "tableinbase", "pose", "transform", "extrinsics", "matrix")
 _TURN = ("rvec", "rotationvector")
 _OFFSET = ("tvec", "translationvector")
@@ -88,8 +89,8 @@ def load_camera(path: FilePath) -> tuple[Camera, Pose | None]:
     model = fields.get("distortionmodel", "plumb_bob")
     if model not in _PINHOLE_MODELS:
         raise CalibrationError(
-            f"{path}: distortion_model is {model!r}, supported are {', '.join(_PINHOLE_MODELS)}: undistort the "
-            "photographs first and leave it out.",
+            f"{path}: distortion_model is {model!r}, supported are {', '.join(_PINHOLE_MODELS)}: undistort "
+            "the photographs first and leave it out.",
             "distortion_model",
         )
     intrinsic = numbers_of(matrix, "camera_matrix", path)
@@ -97,7 +98,9 @@ def load_camera(path: FilePath) -> tuple[Camera, Pose | None]:
     try:
         camera = Camera(
             intrinsic.reshape(3, 3) if intrinsic.size == 9 else intrinsic,
-            np.zeros(0) if distortion is None else numbers_of(distortion, "distortion_coefficients", path).ravel(),
+            np.zeros(0)
+            if distortion is None
+            else numbers_of(distortion, "distortion_coefficients", path).ravel(),
             _size(fields, path),
         )
     except CalibrationError as error:
@@ -130,7 +133,7 @@ def load_pose(path: FilePath) -> Pose:
 
 
 def _pose(fields: Mapping[str, Any], path: Path) -> Pose | None:
-    """The pose among the fields of a file, in metres; None if there is none."""
+    """Find the pose among the fields of a file, in metres; None if there is none."""
     turn, offset, matrix = (first_of(fields, names) for names in (_TURN, _OFFSET, _POSE))
     if matrix is None and turn is None and offset is None:
         return None
@@ -165,6 +168,6 @@ def _size(fields: Mapping[str, Any], path: Path) -> tuple[int, int] | None:
 
 
 def _of_file(error: CalibrationError, path: Path) -> CalibrationError:
-    """The same error, its sentence beginning with the file's name."""
+    """Make the same error, its sentence beginning with the file's name."""
     text = str(error)
     return CalibrationError(text if text.startswith(f"{path}:") else f"{path}: {text}", error.field)

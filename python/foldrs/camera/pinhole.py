@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.camera._matrices import checked
+from foldrs.camera._matrices import checked, inverse
 from foldrs.errors import CalibrationError
 
 Points = npt.NDArray[np.float64]
@@ -47,7 +47,9 @@ class Camera:
 
     def __post_init__(self) -> None:
         matrix = checked(self.matrix, (3, 3), "camera_matrix")
-        if min(matrix[0, 0], matrix[1, 1]) <= 0 or not np.allclose(matrix[[1, 2, 2, 2], [0, 0, 1, 2]], [0, 0, 0, 1]):
+        if min(matrix[0, 0], matrix[1, 1]) <= 0 or not np.allclose(
+            matrix[[1, 2, 2, 2], [0, 0, 1, 2]], [0, 0, 0, 1]
+        ):
             raise CalibrationError(
                 "camera_matrix is no matrix of intrinsic parameters: give "
                 "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with positive focal lengths, in px.",
@@ -76,7 +78,7 @@ class Camera:
         if not self.distortion.any() or len(points) == 0:
             return np.array(points, dtype=np.float64)
         homogeneous = np.column_stack([points, np.ones(len(points))])
-        rays = homogeneous @ np.linalg.inv(self.matrix).T
+        rays = homogeneous @ inverse(self.matrix).T
         still = np.zeros(3)
         image, _ = cv2.projectPoints(rays, still, still, self.matrix, self.distortion)
         return np.asarray(image, dtype=np.float64).reshape(-1, 2)
@@ -85,7 +87,7 @@ class Camera:
         """Raise CalibrationError unless pictures of this size are those it was calibrated with."""
         if self.size not in (None, (width, height)):
             raise CalibrationError(
-                f"The camera was calibrated with pictures of {self.size[0]} x {self.size[1]} px, the "  # type: ignore[index]
+                f"The camera was calibrated with pictures of {self.size[0]} x {self.size[1]} px, the "
                 f"photograph has {width} x {height}: use one of that size, or a calibration of this one.",
                 "image_width",
             )

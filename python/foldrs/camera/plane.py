@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.camera._matrices import checked
+from foldrs.camera._matrices import checked, inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.pose import Pose
 from foldrs.errors import CalibrationError
@@ -51,7 +51,8 @@ class TablePlane:
         balanced = _balanced(matrix)
         if balanced is None or np.linalg.cond(balanced) > 1 / _SINGULAR:
             raise CalibrationError(
-                "The homography has no inverse: give the 3 x 3 matrix from image px to table cm.", "homography"
+                "The homography has no inverse: give the 3 x 3 matrix from image px to table cm.",
+                "homography",
             )
         object.__setattr__(self, "homography", matrix)
 
@@ -73,15 +74,15 @@ class TablePlane:
         pose = table_in_camera.matrix
         if pose[2, 3] <= 0:
             raise CalibrationError(
-                "The table's origin lies behind the camera: give the pose of the table in the camera's frame, "
-                "not that of the camera.",
+                "The table's origin lies behind the camera: give the pose of the table in the camera's "
+                "frame, not that of the camera.",
                 "tvec",
             )
         columns = np.column_stack([pose[:3, 0] / 100.0, pose[:3, 1] / 100.0, pose[:3, 3]])
         to_image = camera.matrix @ columns
         if abs(np.linalg.det(columns)) < _SINGULAR:
             raise CalibrationError("The camera lies in the plane of the table: check its pose.", "rvec")
-        return cls(np.linalg.inv(to_image), camera)
+        return cls(inverse(to_image), camera)
 
     def to_table(self, points: npt.ArrayLike) -> Points:
         """Carry (n, 2) px of the photograph to the table, cm.
@@ -103,7 +104,7 @@ class TablePlane:
         CalibrationError
             Points lie before and behind the camera.
         """
-        ideal = _carried(np.linalg.inv(self.homography), np.asarray(points, dtype=np.float64))
+        ideal = _carried(inverse(self.homography), np.asarray(points, dtype=np.float64))
         return ideal if self.camera is None else self.camera.distorted(ideal)
 
     def table_axes(self, point: npt.ArrayLike) -> Points:

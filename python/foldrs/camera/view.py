@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from foldrs import _core
+from foldrs.camera._matrices import inverse
 from foldrs.camera.plane import TablePlane
 
 Points = npt.NDArray[np.float64]
@@ -63,13 +65,13 @@ class ViewFromAbove:
 
     def to_table(self, points: Points) -> Points:
         """Carry (n, 2) px of the view to the table, cm."""
-        return np.asarray((points - self.offset) @ np.linalg.inv(self.matrix).T, dtype=np.float64)
+        return np.asarray((points - self.offset) @ inverse(self.matrix).T, dtype=np.float64)
 
     def to_image(self, points: Points) -> Points:
         """Carry (n, 2) px of the view into the photograph."""
         return self.plane.to_image(self.to_table(points))
 
-    def picture(self, image: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+    def picture(self, image: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Look at the photograph, or what else lies pixel on pixel with it, through the window.
 
         Parameters
@@ -82,6 +84,6 @@ class ViewFromAbove:
         grid = np.stack(np.meshgrid(x, y), axis=-1)
         way = self.to_image(grid.reshape(-1, 2)).reshape(grid.shape).astype(np.float32)
         fine = cv2.resize(way, (len(x) * _GRID_PX, len(y) * _GRID_PX), interpolation=cv2.INTER_LINEAR)
-        fine = np.ascontiguousarray(fine[_GRID_PX : _GRID_PX + height, _GRID_PX : _GRID_PX + width])
-        seen = cv2.remap(image, fine, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        fine = fine[_GRID_PX : _GRID_PX + height, _GRID_PX : _GRID_PX + width]
+        seen = cv2.remap(image, fine[..., 0], fine[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(seen)

@@ -17,8 +17,8 @@ creases              scenes folded twice: which of the creases seen a predicted 
 EucDist              distance of the template's outline from the garment's, before folding
 ==================== ========================================================================================
 
-Scenes pictured at an angle are measured in the view from above, see :mod:`~foldrs.evaluation.rectified`. Of all
-symmetries of the kind the one kindest to the prediction counts.
+Of all symmetries of the kind the one kindest to the prediction counts. Scenes pictured at an angle are
+measured in the view from above, see :mod:`~foldrs.evaluation.rectified`.
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ from foldrs.evaluation.measures import SceneMeasures, failed, measure
 from foldrs.evaluation.scenes import Scene
 from foldrs.pipeline import Method, fit
 from foldrs.result import FitResult
+from foldrs.scale import Reference
 from foldrs.template import Template
 
 Protocol: TypeAlias = Literal["synthetic", "own", "generic", "open"]
@@ -46,6 +47,8 @@ class Evaluation:
     """Give the true outline instead of the photograph: the matching alone, without the segmentation."""
     calibrated: bool = True
     """Use the homographies and depth images that lie beside the scenes; they are always measured by them."""
+    reference: Reference | None = None
+    """A marker or sheet in the photographs that tells the table's plane, instead of the homographies."""
     out: Path | None = None
     """Folder for the predictions, NAME.json each."""
     watch: Callable[[Scene, FitResult | None, SceneMeasures], None] | None = None
@@ -82,16 +85,16 @@ class Evaluation:
         path = None if self.out is None else self.out / f"{scene.name}.json"
         if path is not None:
             path.unlink(missing_ok=True)
-        drawn = self.true_outlines or scene.image is None
-        plane = scene.plane if self.calibrated else None
+        source = None if self.true_outlines else scene.image
+        plane = self.reference or (scene.plane if self.calibrated else None)
         result = fit(
-            scene.outline_image if drawn else scene.image,
+            scene.outline_image if source is None else source,
             garment_type=None if self.protocol == "open" else scene.garment_type,
             templates=competing,
             px_per_cm=self.px_per_cm if plane is None else None,
             method=self.method,
             table=plane,
-            depth=scene.depth if self.calibrated and not drawn else None,
+            depth=scene.depth if self.calibrated and source is not None else None,
         )
         if path is not None:
             result.save(path)

@@ -95,7 +95,7 @@ class Marker:
 
     def _detected(self, rgb: RgbImage) -> tuple[list[int], list[Points]]:
         """Numbers and corners of the markers, of the one family that is there."""
-        grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
+        grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8)
         families = _RARELY_CHANCE if self.family is None else (self.family,)
         found = {name: seen for name in families if (seen := _of_family(grey, name, self.family is not None))}
         if not found:

@@ -40,7 +40,7 @@ def painted_over(rgb: RgbImage, covered: Mask) -> RgbImage:
     table = cv2.inpaint(small, hole.astype(np.uint8), _RADIUS, cv2.INPAINT_TELEA)
     painted = rgb.copy()
     painted[covered] = cv2.resize(table, (width, height), interpolation=cv2.INTER_LINEAR)[covered]
-    return painted
+    return np.asarray(painted, np.uint8)
 
 
 def filled_quads(quads: list[Points], shape: tuple[int, int], grown_by: float = 0.0) -> Mask:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from foldrs.camera.pinhole import Camera
 from foldrs.errors import ParameterError, ScaleReferenceError
-from foldrs.image import Mask, RgbImage
+from foldrs.image import RgbImage
 from foldrs.parameters import ScaleParameters
 from foldrs.scale.paint import RIM_SIDE, filled_quads, widened
 from foldrs.scale.reference import FoundReference
@@ -55,8 +55,8 @@ class Sheet:
     def __post_init__(self) -> None:
         if not (0 < self.short_cm <= self.long_cm < math.inf):
             raise ParameterError(
-                f"The sheet's sides are {self.short_cm} and {self.long_cm} cm: give two positive lengths, the "
-                "shorter first."
+                f"The sheet's sides are {self.short_cm} and {self.long_cm} cm: give two positive lengths, "
+                "the shorter first."
             )
 
     def find(self, rgb: RgbImage, camera: Camera | None, parameters: ScaleParameters) -> FoundReference:
@@ -72,19 +72,19 @@ class Sheet:
         for quad in _white_quads(rgb, parameters):
             if any(_overlap(quad, other, rgb.shape[:2]) > _SAME for other, _ in found):
                 continue
-            solved = self._solved(quad, size, camera, parameters)
-            if solved is not None:
-                found.append(solved)
+            sheet = self._solved(quad, size, camera, parameters)
+            if sheet is not None:
+                found.append(sheet)
         if not found:
             raise ScaleReferenceError(
-                f"No white sheet of {self.short_cm:g} x {self.long_cm:g} cm is seen: lay one flat on a darker "
-                "part of the table, whole and not touching the garment."
+                f"No white sheet of {self.short_cm:g} x {self.long_cm:g} cm is seen: lay one flat on a "
+                "darker part of the table, whole and not touching the garment."
             )
         if len(found) > 1:
             places = ", ".join(f"({x:.0f}, {y:.0f})" for x, y in (quad.mean(axis=0) for quad, _ in found))
             raise ScaleReferenceError(
-                f"{len(found)} things look like a sheet of {self.short_cm:g} x {self.long_cm:g} cm, at {places}"
-                " px: leave one of them, or use a marker."
+                f"{len(found)} things look like a sheet of {self.short_cm:g} x {self.long_cm:g} cm, at "
+                f"{places} px: leave one of them, or use a marker."
             )
         quad, solved = found[0]
         covered = widened(filled_quads([quad], rgb.shape[:2]), parameters.rim * max(size) / RIM_SIDE)
@@ -96,7 +96,7 @@ class Sheet:
     def _solved(
         self, quad: Points, size: tuple[int, int], camera: Camera | None, parameters: ScaleParameters
     ) -> tuple[Points, Solved] | None:
-        """The plane of a quadrilateral taken for the sheet, its long side first; None if it cannot be it."""
+        """Take a quadrilateral for the sheet, long side first; its plane too, or None if it cannot be it."""
         turned = (quad, np.roll(quad, -1, axis=0))
         tried = [
             (one, plane_of_rectangles([one], [(self.long_cm, self.short_cm)], size, camera, parameters))
@@ -119,15 +119,15 @@ def _white_quads(rgb: RgbImage, parameters: ScaleParameters) -> Iterator[Points]
     """Yield white, even quadrilaterals of straight sides, corners clockwise, px."""
     factor = min(1.0, _SIDE / max(rgb.shape[:2]))
     small = cv2.resize(rgb, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA) if factor < 1 else rgb
-    lab = cv2.cvtColor(small.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
-    lab = np.asarray(cv2.GaussianBlur(lab, (0, 0), 1.0), dtype=np.float32)
+    sharp = cv2.cvtColor(small.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
+    lab = np.asarray(cv2.GaussianBlur(sharp, (0, 0), 1.0), dtype=np.float32)
     white = np.hypot(lab[:, :, 1], lab[:, :, 2]) < parameters.whiteness
     least = parameters.least_side * max(small.shape[:2])
     for level in _LEVELS:
         bright = (white & (lab[:, :, 0] > level)).astype(np.uint8)
         contours, _ = cv2.findContours(bright, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         for contour in contours:
-            quad = _quad_of(contour, least, parameters)
+            quad = _quad_of(np.asarray(contour, np.int32), least, parameters)
             if quad is not None and _is_paper(lab, quad, parameters):
                 quad = _placed(lab, quad, least, parameters)
                 if quad is not None:
@@ -174,7 +174,7 @@ def _quad_of(contour: npt.NDArray[np.int32], least: float, parameters: ScalePara
 def _placed(
     lab: npt.NDArray[np.float32], quad: Points, least: float, parameters: ScaleParameters
 ) -> Points | None:
-    """Move a sheet's sides to where its colour turns into that around it; None if it has no four sides then."""
+    """Move a sheet's sides to where its colour turns into that around it; None if it has not four then."""
     shape = lab.shape[:2]
     inside = filled_quads([quad], shape, -0.15)
     near = filled_quads([quad], shape, 0.3)
@@ -183,7 +183,8 @@ def _placed(
     across = (paper - table) / float(np.square(paper - table).sum())
     sheet = near & ((lab - table) @ across > 0.5)
     contours, _ = cv2.findContours(sheet.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return _quad_of(max(contours, key=cv2.contourArea), least, parameters) if contours else None
+    largest = max(contours, key=cv2.contourArea, default=None)
+    return None if largest is None else _quad_of(np.asarray(largest, np.int32), least, parameters)
 
 
 def _meeting(line: tuple[Points, Points], other: tuple[Points, Points]) -> Points | None:
@@ -215,4 +216,4 @@ def _is_paper(lab: npt.NDArray[np.float32], quad: Points, parameters: ScaleParam
 def _overlap(quad: Points, other: Points, shape: tuple[int, int]) -> float:
     """Intersection over union of two quadrilaterals."""
     a, b = filled_quads([quad], shape), filled_quads([other], shape)
-    return float(np.count_nonzero(a & b) / max(1, np.count_nonzero(a | b)))
+    return float(np.count_nonzero(a & b)) / max(1.0, float(np.count_nonzero(a | b)))

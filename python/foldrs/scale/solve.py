@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.camera.pose import Pose
@@ -87,7 +88,7 @@ def plane_of_rectangles(
     def off(unknown: Points) -> Points:
         """Distances of all corners from where rectangles of that size have them, px."""
         there = to_image(unknown)
-        back = np.linalg.inv(there)
+        back = inverse(there)
         return np.concatenate(
             [
                 _apply(there, _laid(rectangle, _apply(back, quad))) - quad
@@ -102,7 +103,7 @@ def plane_of_rectangles(
     angles = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
     starts = [np.zeros(4), *(np.array([np.cos(a), np.sin(a), 0, 0]) * _START_TILT for a in angles)]
     best = min((least_squares(residuals, start, x_scale=0.1) for start in starts), key=lambda fit: fit.cost)
-    homography = np.linalg.inv(to_image(best.x))
+    homography = inverse(to_image(best.x))
     return Solved(
         plane=TablePlane(homography, camera),
         tilt=math.degrees(float(np.hypot(*best.x[:2]))),

@@ -56,7 +56,9 @@ class TableCamera:
         """Picture a table top that was drawn from above; beyond what was drawn it goes on as in a mirror."""
         size = table.shape[1::-1]
         return np.asarray(
-            cv2.warpPerspective(table, self.from_above, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101),
+            cv2.warpPerspective(
+                table, self.from_above, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101
+            ),
             dtype=np.float32,
         )
 
@@ -119,13 +121,13 @@ def draw_camera(points: Points, rng: np.random.Generator, parameters: SynthParam
             if (seen >= margin).all() and (seen <= room - margin).all():
                 return camera
     raise ParameterError(
-        f"Tilted by {parameters.tilt_deg:g} degrees the garment does not fit into the picture: lower px_per_cm or "
-        "enlarge image_size."
+        f"Tilted by {parameters.tilt_deg:g} degrees the garment does not fit into the picture: lower "
+        "px_per_cm or enlarge image_size."
     )
 
 
 def _looking(parameters: SynthParameters, tilt: Points, aim: Points, distance: float) -> TableCamera:
-    """A camera turned by a vector in the picture's plane (radians), its axis through a point of the view."""
+    """Turn a camera by a vector in the picture's plane (radians), its axis through a point of the view."""
     width, height = parameters.image_size
     scale = parameters.px_per_cm
     focal = _FOCAL * max(width, height)

@@ -116,6 +116,12 @@ class SynthParameters:
     """Angle between the camera's axis and the table's normal, degrees; its direction is random. 0 looks from
     straight above; the scale then holds for the middle of the picture."""
 
+    marker_cm: float = 0.0
+    """Side of the markers (AprilTag 36h11) that lie beside the cloth, cm; 0 lays none."""
+
+    sheet: bool = False
+    """Whether a white sheet of A4 lies beside the cloth."""
+
     depth: bool = False
     """Whether a depth image is made, too."""
 
@@ -162,6 +168,7 @@ class SynthParameters:
         for name in ("stretch", "bow", "wrinkles", "warmth"):
             self._check(name, getattr(self, name), 0, 0.5)
         self._check("flap_turn_deg", self.flap_turn_deg, 0, 10)
+        self._check("marker_cm", self.marker_cm, 0, 100)
         self._check("tilt_deg", self.tilt_deg, 0, 60)
         self._check("bulge_cm", self.bulge_cm, 0, 5)
         self._check("depth_noise_cm", self.depth_noise_cm, 0, 10)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from foldrs.camera._matrices import inverse
 from foldrs.errors import ParameterError
 from foldrs.synth.garment import Points
 from foldrs.synth.parameters import SynthParameters
@@ -62,7 +63,7 @@ class Pose:
 
     def to_table(self, points: Points) -> Points:
         """Carry points of the picture (px), shape (n, 2), back to the table (cm)."""
-        points = points if self.camera is None else seen_by(np.linalg.inv(self.camera), points)
+        points = points if self.camera is None else seen_by(inverse(self.camera), points)
         bent = (points - self.offset) @ np.linalg.inv(self.matrix).T
         flat = np.asarray(bent, dtype=np.float64)
         for _ in range(3):  # the displacement changes slowly: three steps leave less than 0.1 mm

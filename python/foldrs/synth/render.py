@@ -15,6 +15,7 @@ from foldrs.synth.layers import Layer
 from foldrs.synth.parameters import SynthParameters
 from foldrs.synth.pose import Pose
 from foldrs.synth.raster import LayerMasks, coverage
+from foldrs.synth.references import lay_references
 from foldrs.synth.table import draw_table
 from foldrs.synth.textures import Picture, grain, tinted
 
@@ -40,7 +41,8 @@ def render(
     masks: LayerMasks,
     rng: np.random.Generator,
     parameters: SynthParameters,
-    camera: TableCamera | None = None,
+    camera: TableCamera,
+    aside: np.random.Generator,
 ) -> NDArray[np.uint8]:
     """Picture folded cloth on a table.
 
@@ -58,8 +60,10 @@ def render(
         Source of all randomness.
     parameters : SynthParameters
         Textures, light and camera.
-    camera : TableCamera, optional
-        A camera that looks at an angle.
+    camera : TableCamera
+        What looks at it.
+    aside : numpy.random.Generator
+        Source of what else lies there, apart so that the rest is the same without it.
 
     Returns
     -------
@@ -68,8 +72,12 @@ def render(
     """
     picture = draw_table(rng, parameters)
     cloth = draw_cloth(outline, picture, rng, parameters)
-    if camera is not None:
+    if parameters.tilt_deg > 0:
         picture = camera.seen(picture)
+    if parameters.marker_cm or parameters.sheet:
+        covered = np.zeros(picture.shape[:2], np.bool_)
+        covered[masks.window] = coverage(masks.union()) > 0
+        lay_references(picture, covered, camera, aside, parameters)
     lamp = rng.uniform(0.0, 2 * np.pi)
     shadow = parameters.shadow * rng.uniform(0.5, 1.0)
     picture_window = _padded(masks, parameters)

@@ -154,7 +154,7 @@ def make_scene(
         rings = [pose.to_image(layer.place(layer.ring)) for layer in layers]
         masks = draw_masks(rings, parameters.image_size)
         truth = {"tilt_deg": parameters.tilt_deg} | seen_at_an_angle(truth, camera.from_above)
-    image = render(garment.outline, layers, pose, masks, rng, parameters, camera if tilted else None)
+    image = render(garment.outline, layers, pose, masks, rng, parameters, camera, aside)
     depth = draw_depth(masks, camera, aside, parameters) if parameters.depth else None
     mask = np.zeros(image.shape[:2], np.uint8)
     mask[masks.window] = np.where(coverage(masks.union()) >= 0.5, 255, 0)
