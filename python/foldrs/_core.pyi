@@ -334,6 +334,7 @@ def fit_jointly(
     scale: float | None = None,
     tensor: NDArray[np.float32] | None = None,
     tensor_scale: float = 1.0,
+    steps: NDArray[np.float32] | None = None,
 ) -> tuple[list[JointExplanation], float]:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 

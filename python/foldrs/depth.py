@@ -20,10 +20,10 @@ import numpy.typing as npt
 from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
-from foldrs.errors import DepthError
+from foldrs.errors import DepthError, SeveralGarmentsError
 from foldrs.image import Mask
 from foldrs.parameters import DepthParameters, OutlineParameters
-from foldrs.segmentation.masks import resized, single_object, tidied
+from foldrs.segmentation.masks import largest_part, resized, single_object, tidied
 
 FloatImage = npt.NDArray[np.float32]
 
@@ -146,25 +146,22 @@ def cloth_by_height(
     parameters : DepthParameters
     outline : OutlineParameters
         How gaps and threads are treated.
-
-    Raises
-    ------
-    SeveralGarmentsError
-        Two or more objects of like size stand out.
     """
     above = heights.above
     mask = tidied(above > parameters.clear, outline.opening)
     if mask.mean() < outline.least_share or mask.mean() > outline.most_share:
         return None
-    mask = single_object(mask, outline, outline.merge_gap)
-    height = float(np.median(above[mask]))
-    if height < parameters.sure:
+    try:
+        mask = single_object(mask, outline, outline.merge_gap)
+    except SeveralGarmentsError:  # or one that is so thin that it falls apart: the colours may tell
+        return None
+    if float(np.median(above[mask])) < parameters.sure:
         return None
     # Blurred, the rim lies where half of the cloth's height is reached.
     single = float(np.percentile(above[mask], 25))
     near = cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     placed = tidied(near & (above > max(parameters.clear, single / 2)), outline.opening)
-    return resized(single_object(placed, outline, outline.merge_gap), shape)
+    return resized(largest_part(placed), shape)
 
 
 def resized_heights(above: FloatImage, shape: tuple[int, int]) -> FloatImage:

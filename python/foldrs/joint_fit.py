@@ -34,6 +34,7 @@ def fit_jointly(
         px_per_unit,
         None if edges is None else edges.tensor,
         1.0 if edges is None else edges.scale,
+        None if edges is None else edges.steps,
     )
     return [
         Explanation(

@@ -381,6 +381,9 @@ class ScaleParameters:
     """cm2: largest paper around a marker that is taken for part of it, a little more than A4."""
     paper_likeness: float = 12.0
     """Colour difference up to which what adjoins a marker's quiet zone is its paper."""
+    paper_solidity: float = 0.9
+    """Share of its convex hull that paper fills at least: torn-off paper does, a pale board of the table does
+    not."""
     rim: float = 2.0
     """px, of a picture of 320 px, larger ones in proportion: what is painted over around a marker or sheet
     besides, its shadow."""
@@ -425,8 +428,9 @@ class DepthParameters:
     sure: float = 7.0
     """Median height of the cloth, in the same, from which on the depth is asked where the garment is. Below,
     the colours tell it better."""
-    weight: float = 1.0
-    """Weight of steps in height beside edges of colour, each measured by what is usual within the garment."""
+    agreement: float = 0.93
+    """Overlap (intersection over union) of the garment by height and by colour from which on the colours are
+    followed, which show the rim more finely; below, the heights."""
 
 
 @dataclass(frozen=True)

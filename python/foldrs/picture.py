@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -16,10 +16,11 @@ class ColourEdges:
     """Where and in which direction the colours of a picture change, and the heights if they are known."""
 
     tensor: NDArray[np.float32]
-    """(h, w, 3): structure tensor (xx, xy, yy) of every pixel: of its Lab colours, or of colours and height,
-    each measured by what is usual within the garment."""
+    """(h, w, 3): structure tensor (xx, xy, yy) of the Lab colours of every pixel."""
     scale: float
     """Its pixels a pixel of the picture."""
+    steps: NDArray[np.float32] | None = None
+    """(h, w, 3): the same of the heights, if they are known."""
 
 
 def colour_edges(rgb: NDArray[np.uint8], parameters: PictureParameters) -> ColourEdges:
@@ -45,10 +46,8 @@ def colour_edges(rgb: NDArray[np.uint8], parameters: PictureParameters) -> Colou
     return ColourEdges(_structure_tensor(lab), scale)
 
 
-def with_heights(
-    edges: ColourEdges, heights: NDArray[np.float32], outline: NDArray[np.float64], weight: float
-) -> ColourEdges:
-    """Add steps in height to the edges of colour: the rim of a layer on top is both.
+def with_heights(edges: ColourEdges, heights: NDArray[np.float32]) -> ColourEdges:
+    """Add steps in height to the edges of colour: they show the rims of both layers.
 
     Parameters
     ----------
@@ -56,20 +55,10 @@ def with_heights(
         Of the picture.
     heights : (h, w) float32 array
         Heights above the table, pixel on pixel with the picture, in any unit.
-    outline : (n, 2) array
-        The garment's outline, px of the picture. What is usual within it is what both are measured by: a
-        strong print says little by its colours, and then the height decides.
-    weight : float
-        Of the heights beside the colours.
     """
     size = edges.tensor.shape[1::-1]
     small = np.asarray(cv2.resize(heights, size, interpolation=cv2.INTER_AREA), np.float32)
-    tensor = _structure_tensor(small[:, :, None])
-    cloth = np.zeros(size[::-1], np.uint8)
-    corners = np.round((outline + 0.5) * edges.scale - 0.5).astype(np.int32)
-    cv2.fillPoly(cloth, [corners.reshape(-1, 1, 2)], 1)
-    both = _usual(edges.tensor, cloth > 0) + weight * _usual(tensor, cloth > 0)
-    return ColourEdges(np.ascontiguousarray(both, dtype=np.float32), edges.scale)
+    return replace(edges, steps=_structure_tensor(small[:, :, None]))
 
 
 def _structure_tensor(channels: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -78,10 +67,3 @@ def _structure_tensor(channels: NDArray[np.float32]) -> NDArray[np.float32]:
     y = cv2.Scharr(channels, cv2.CV_32F, 0, 1).reshape(channels.shape)
     tensor = np.stack([(x * x).sum(axis=2), (x * y).sum(axis=2), (y * y).sum(axis=2)], axis=2)
     return np.ascontiguousarray(tensor, dtype=np.float32)
-
-
-def _usual(tensor: NDArray[np.float32], cloth: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Measure a tensor by its median strength within the cloth."""
-    strength = (tensor[:, :, 0] + tensor[:, :, 2])[cloth]
-    median = float(np.median(strength)) if strength.size else 0.0
-    return np.asarray(tensor / np.float32(median + 1e-6), dtype=np.float32)

@@ -14,14 +14,14 @@ from foldrs.camera.plane import TablePlane
 from foldrs.camera.pose import Pose
 from foldrs.camera.view import ViewFromAbove
 from foldrs.depth import Heights, cloth_by_height, heights_above_table, read_depth, resized_heights
-from foldrs.errors import DepthError, ParameterError
-from foldrs.image import RgbImage
+from foldrs.errors import DepthError, OutlineError, ParameterError
+from foldrs.image import Mask, RgbImage
 from foldrs.outline import OutlineInImage, as_photograph
 from foldrs.parameters import Parameters
 from foldrs.result import FitResult
 from foldrs.scale.paint import painted_over
 from foldrs.scale.reference import Reference
-from foldrs.segmentation import refined
+from foldrs.segmentation import refined, segment
 
 Source = str | os.PathLike[str] | ArrayLike
 
@@ -134,9 +134,20 @@ def survey(
         if mask is None:
             cloth = cloth_by_height(heights, (height, width), parameters.depth, parameters.outline)
             if cloth is not None:
-                cloth = cloth if covered is None else cloth & ~covered
-                mask = refined(rgb, cloth, parameters.outline)
+                mask = _agreed(rgb, cloth if covered is None else cloth & ~covered, parameters)
     return Survey(rgb, mask, plane, heights, robot_base)
+
+
+def _agreed(rgb: RgbImage, by_height: Mask, parameters: Parameters) -> Mask:
+    """Tell the garment by its colours if they agree with the heights, else by these."""
+    try:
+        by_colour = segment(rgb, parameters.outline)
+        union = np.count_nonzero(by_colour | by_height)
+        if np.count_nonzero(by_colour & by_height) >= parameters.depth.agreement * union:
+            return by_colour
+    except OutlineError:  # the cloth looks like the table
+        pass
+    return refined(rgb, by_height, parameters.outline)
 
 
 def _check(

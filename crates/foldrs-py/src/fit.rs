@@ -85,7 +85,7 @@ impl PyJointExplanation {
 
 /// Claims about the fold axis, without testing them, and the joint fits they lead to; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, outlines, templates, scale=None, tensor=None, tensor_scale=1.0))]
+#[pyo3(signature = (seen, outlines, templates, scale=None, tensor=None, tensor_scale=1.0, steps=None))]
 pub(crate) fn fit_jointly(
     py: Python<'_>,
     seen: &PySeen,
@@ -94,13 +94,16 @@ pub(crate) fn fit_jointly(
     scale: Option<f64>,
     tensor: Option<PyReadonlyArray3<'_, f32>>,
     tensor_scale: f64,
+    steps: Option<PyReadonlyArray3<'_, f32>>,
 ) -> PyResult<(Vec<PyJointExplanation>, f64)> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
     let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
     let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
-    let picture = tensor.map(|t| picture(&t, tensor_scale)).transpose()?;
+    let picture = tensor
+        .map(|t| picture(&t, steps.as_ref(), tensor_scale))
+        .transpose()?;
     let fits = py.detach(|| {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
         let fits = explain_jointly(
@@ -119,20 +122,29 @@ pub(crate) fn fit_jointly(
     Ok(fits)
 }
 
-/// The picture of an (h, w, 3) array of structure tensors.
-fn picture(tensor: &PyReadonlyArray3<'_, f32>, scale: f64) -> PyResult<Picture> {
+/// The picture of (h, w, 3) arrays of structure tensors, of colours and perhaps of heights.
+fn picture(
+    tensor: &PyReadonlyArray3<'_, f32>,
+    steps: Option<&PyReadonlyArray3<'_, f32>>,
+    scale: f64,
+) -> PyResult<Picture> {
     let view = tensor.as_array();
     let (height, width, parts) = view.dim();
-    if parts != 3 || !(scale > 0.0 && scale.is_finite()) {
+    let alike = steps.is_none_or(|s| s.as_array().dim() == view.dim());
+    if parts != 3 || !alike || !(scale > 0.0 && scale.is_finite()) {
         return Err(PyValueError::new_err(
-            "the structure tensor must be of shape (h, w, 3) and its scale positive",
+            "structure tensors must be of one shape (h, w, 3) and their scale positive",
         ));
     }
-    let tensor = view.rows().into_iter().map(|t| [t[0], t[1], t[2]]).collect();
+    let parts_of = |array: &PyReadonlyArray3<'_, f32>| {
+        let rows = array.as_array();
+        rows.rows().into_iter().map(|t| [t[0], t[1], t[2]]).collect()
+    };
     Ok(Picture {
         width,
         height,
-        tensor,
+        tensor: parts_of(tensor),
+        steps: steps.map(parts_of),
         scale,
     })
 }

@@ -130,9 +130,17 @@ class Marker:
             paper = np.equal(labels, labels[middle])
             px_per_cm = math.sqrt(np.count_nonzero(black)) / self.size_cm
             # A table as white as the paper would be taken for it: then the white around must do.
-            if np.count_nonzero(paper) <= parameters.most_paper * px_per_cm**2:
+            small = np.count_nonzero(paper) <= parameters.most_paper * px_per_cm**2
+            if small and _solidity(paper) >= parameters.paper_solidity:
                 whole |= paper
         return widened(whole, parameters.rim * max(shape) / RIM_SIDE)
+
+
+def _solidity(mask: Mask) -> float:
+    """Share of its convex hull that a mask, not empty, fills."""
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    largest = max(contours, key=cv2.contourArea)
+    return cv2.contourArea(largest) / max(cv2.contourArea(cv2.convexHull(largest)), 1.0)
 
 
 def _of_family(grey: npt.NDArray[np.uint8], family: str, tolerant: bool) -> list[tuple[int, Points]]:

@@ -198,7 +198,7 @@ def _meeting(line: tuple[Points, Points], other: tuple[Points, Points]) -> Point
 
 
 def _is_paper(lab: npt.NDArray[np.float32], quad: Points, parameters: ScaleParameters) -> bool:
-    """Whether a quadrilateral is light, even, and lighter than what lies around it."""
+    """Whether a quadrilateral is white, even, and lighter than what lies around it."""
     shape = lab.shape[:2]
     inside = filled_quads([quad], shape, -0.15)
     around = filled_quads([quad], shape, 0.35) & ~filled_quads([quad], shape, 0.15)
@@ -208,6 +208,7 @@ def _is_paper(lab: npt.NDArray[np.float32], quad: Points, parameters: ScaleParam
     paper = float(np.median(light[inside]))
     return (
         paper >= parameters.brightness
+        and float(np.median(np.hypot(lab[:, :, 1], lab[:, :, 2])[inside])) < parameters.whiteness
         and float(np.std(light[inside])) <= parameters.evenness
         and paper - float(np.percentile(light[around], 75)) >= parameters.step
     )

@@ -5,6 +5,9 @@
 //! tell apart predict different rims. How much an edge says is weighed against chance: what counts is its rank among
 //! the edges found in the same way at any place and in any direction within the same cloth, so a print or a creased
 //! cloth, full of edges, says little.
+//!
+//! Where heights are known their steps are weighed in the same way. Cloth that bears another layer lies higher whichever
+//! of the two is on top, so both layers' rims show as steps, and they do not tell which one that is.
 
 use super::field::SeenField;
 use super::layers::Piece;
@@ -12,7 +15,7 @@ use crate::fold::Layer;
 use crate::parameters::RimParameters;
 use crate::{Point, Vector};
 
-/// Colour edges of a picture.
+/// Colour edges of a picture, and steps in height.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Columns.
@@ -21,6 +24,8 @@ pub struct Picture {
     pub height: usize,
     /// Structure tensor of the colours (xx, xy, yy) of every pixel, row by row.
     pub tensor: Vec<[f32; 3]>,
+    /// The same of the heights above the table, if they are known.
+    pub steps: Option<Vec<[f32; 3]>>,
     /// Pixels of this picture a unit of the seen outline (1 unless it was made smaller).
     pub scale: f64,
 }
@@ -43,6 +48,14 @@ pub(super) struct Rims<'a> {
     /// Picture pixels a working unit.
     pixels: f64,
     parameters: &'a RimParameters,
+    colours: Edges<'a>,
+    steps: Option<Edges<'a>>,
+}
+
+/// Edges of one kind, and what chance gives of them within the cloth.
+#[derive(Debug)]
+struct Edges<'a> {
+    tensor: &'a [[f32; 3]],
     /// Edge strengths at chance places, increasing.
     chance: Vec<f32>,
 }
@@ -55,43 +68,68 @@ impl<'a> Rims<'a> {
         field: &SeenField,
         parameters: &'a RimParameters,
     ) -> Option<Self> {
+        let unknown = |tensor| Edges {
+            tensor,
+            chance: Vec::new(),
+        };
         let mut rims = Self {
             picture,
             pixels: unit * picture.scale,
             parameters,
-            chance: Vec::new(),
+            colours: unknown(&picture.tensor),
+            steps: picture.steps.as_deref().map(unknown),
         };
+        rims.colours.chance = rims.by_chance(&rims.colours, field);
+        if let Some(steps) = &rims.steps {
+            let chance = rims.by_chance(steps, field);
+            rims.steps = Some(Edges {
+                tensor: steps.tensor,
+                chance,
+            });
+        }
+        (rims.colours.chance.len() >= 100).then_some(rims)
+    }
+
+    /// Strengths of edges of one kind at any place within the cloth and in any direction, increasing.
+    fn by_chance(&self, edges: &Edges, field: &SeenField) -> Vec<f32> {
         let directions: Vec<Vector> = (0..4)
             .map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4)
             .map(|a| Vector::new(a.cos(), a.sin()))
             .collect();
-        for p in field.nodes_within(parameters.inside) {
+        let mut chance = Vec::new();
+        for p in field.nodes_within(self.parameters.inside) {
             for n in &directions {
-                rims.chance.push(rims.strength(&p, n));
+                chance.push(self.strength(edges, &p, n));
             }
         }
-        rims.chance.sort_by(f32::total_cmp);
-        (rims.chance.len() >= 100).then_some(rims)
+        chance.sort_by(f32::total_cmp);
+        chance
     }
 
     /// The evidence of a folded model's pieces.
     pub(super) fn evidence(&self, pieces: &[Piece], field: &SeenField) -> RimEvidence {
-        let flap = self.layer(pieces, Layer::Flap, field);
-        let kept = self.layer(pieces, Layer::Kept, field);
+        let flap = self.layer(&self.colours, pieces, Layer::Flap, field);
+        let kept = self.layer(&self.colours, pieces, Layer::Kept, field);
         // Either layer may be on top: the mean of both likelihoods.
         let most = flap.max(kept);
         let gain = most + (((flap - most).exp() + (kept - most).exp()) / 2.0).ln();
-        // However well edges lie along a rim, a seam or a pocket may have made them: that bounds what they can say.
-        let gain = -((-self.parameters.weight * gain).exp() + self.parameters.mislead).ln()
-            + self.parameters.mislead.ln_1p();
+        let steps = self.steps.as_ref().map_or(0.0, |steps| {
+            self.layer(steps, pieces, Layer::Flap, field) + self.layer(steps, pieces, Layer::Kept, field)
+        });
         RimEvidence {
-            gain,
+            gain: self.bounded(gain) + self.bounded(steps),
             flap_on_top: self.parameters.weight * (flap - kept),
         }
     }
 
-    /// Log likelihood ratio of the rims of one layer.
-    fn layer(&self, pieces: &[Piece], layer: Layer, field: &SeenField) -> f64 {
+    /// However well edges lie along a rim, a seam or a pocket may have made them: that bounds what they can say.
+    fn bounded(&self, gain: f64) -> f64 {
+        let p = self.parameters;
+        p.mislead.ln_1p() - ((-p.weight * gain).exp() + p.mislead).ln()
+    }
+
+    /// Log likelihood ratio of the rims of one layer by edges of one kind.
+    fn layer(&self, edges: &Edges, pieces: &[Piece], layer: Layer, field: &SeenField) -> f64 {
         let p = self.parameters;
         let mut sum = 0.0;
         for piece in pieces.iter().filter(|piece| piece.layer == layer) {
@@ -102,7 +140,8 @@ impl<'a> Rims<'a> {
                 let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
                 let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
                 if field.at(&x).0 < -p.inside {
-                    sum += visible / count / p.correlation * self.ratio(self.strength(&x, &normal));
+                    sum += visible / count / p.correlation
+                        * self.ratio(edges, self.strength(edges, &x, &normal));
                 }
             }
         }
@@ -110,15 +149,15 @@ impl<'a> Rims<'a> {
     }
 
     /// Log of the density of an edge's rank at a true rim over that by chance, which is 1 for every rank.
-    fn ratio(&self, strength: f32) -> f64 {
-        let below = self.chance.partition_point(|&c| c < strength);
-        let rank = (below as f64 + 0.5) / (self.chance.len() as f64 + 1.0);
+    fn ratio(&self, edges: &Edges, strength: f32) -> f64 {
+        let below = edges.chance.partition_point(|&c| c < strength);
+        let rank = (below as f64 + 0.5) / (edges.chance.len() as f64 + 1.0);
         let p = self.parameters;
         ((1.0 - p.shown) + p.shown * p.sharpness * rank.powf(p.sharpness - 1.0)).ln()
     }
 
     /// The strongest edge across a place, within reach along the normal.
-    fn strength(&self, x: &Point, normal: &Vector) -> f32 {
+    fn strength(&self, edges: &Edges, x: &Point, normal: &Vector) -> f32 {
         let reach = self.parameters.reach * self.pixels;
         let steps = reach.ceil().max(1.0);
         let (a, b) = (normal.x as f32, normal.y as f32);
@@ -129,7 +168,7 @@ impl<'a> Rims<'a> {
             if i < 0.0 || j < 0.0 || i >= self.picture.width as f64 || j >= self.picture.height as f64 {
                 continue;
             }
-            let [xx, xy, yy] = self.picture.tensor[j as usize * self.picture.width + i as usize];
+            let [xx, xy, yy] = edges.tensor[j as usize * self.picture.width + i as usize];
             most = most.max(a * a * xx + 2.0 * a * b * xy + b * b * yy);
         }
         most
