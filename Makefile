@@ -90,8 +90,9 @@ sdist: $(VENV)/.tools ## Pack the sources as they would be published: dist/
 	@ls dist
 
 .PHONY: picture
-picture: demo ## Draw the picture of the README: docs/images/demo.webp
+picture: demo ## Draw the pictures of README and docs: docs/images
 	$(BIN)/python docs/draw_picture.py
+	$(BIN)/python docs/draw_camera.py
 
 .PHONY: picture-report
 picture-report: $(VENV)/.built ## Draw the picture of the page of results: docs/images/report.webp (needs Chromium)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import cv2
@@ -18,7 +18,8 @@ from foldrs.camera import Camera
 from foldrs.cli import main
 from foldrs.depth import cloth_by_height, heights_above_table, read_depth
 from foldrs.errors import DepthError, NoGarmentError, ParameterError
-from foldrs.parameters import DepthParameters, OutlineParameters, PictureParameters
+from foldrs.joint_fit import flexible_template
+from foldrs.parameters import DepthParameters, MatchingParameters, OutlineParameters, PictureParameters
 from foldrs.picture import colour_edges, with_heights
 from foldrs.synth import Scene, SynthParameters, make_scene
 from foldrs.template import builtin_templates
@@ -111,7 +112,7 @@ def test_steps_show_rims_that_colours_do_not() -> None:
     picture = np.full((120, 160, 3), 90, np.uint8)
     heights = np.zeros((120, 160), np.float32)
     heights[:, 80:] = 5.0
-    edges = with_heights(colour_edges(picture, PictureParameters()), heights)
+    edges = with_heights(colour_edges(picture, PictureParameters()), heights, 0.5)
     assert edges.steps is not None
     assert edges.steps.shape == edges.tensor.shape
     strength = edges.steps[:, :, 0]
@@ -218,3 +219,12 @@ def test_the_same_scene_without_depth_looks_the_same(scene: Scene) -> None:
     plain = make_scene(TOWEL, seed=2, parameters=replace(SCENE, depth=False))
     np.testing.assert_array_equal(plain.image, scene.image)
     assert plain.depth is None
+
+
+def test_tensors_of_two_shapes_are_refused() -> None:
+    parameters = asdict(MatchingParameters())
+    seen = _core.Seen(TOWEL.outline * 4 + 200, parameters)
+    flexible = flexible_template(TOWEL, parameters)
+    colours, steps = np.zeros((40, 60, 3), np.float32), np.zeros((40, 50, 3), np.float32)
+    with pytest.raises(ValueError, match="one shape"):
+        _core.fit_jointly(seen, [TOWEL.outline], [flexible], 4.0, (colours, 1.0, steps))

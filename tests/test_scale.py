@@ -188,7 +188,7 @@ def test_what_is_no_sheet_is_not_taken_for_one(shape: str) -> None:
         cv2.rectangle(picture, (100, 100), (218, 183), (240, 240, 240), cv2.FILLED)
         cv2.rectangle(picture, (120, 115), (198, 170), (140, 140, 140), cv2.FILLED)
     else:
-        cv2.rectangle(picture, (100, 100), (218, 183), (240, 190, 190), cv2.FILLED)
+        cv2.rectangle(picture, (100, 100), (218, 183), (240, 160, 160), cv2.FILLED)
     with pytest.raises(ScaleReferenceError, match="No white sheet"):
         A4.find(picture, None, PARAMETERS)
 

@@ -332,9 +332,7 @@ def fit_jointly(
     outlines: Sequence[_Points],
     templates: Sequence[FlexibleTemplate],
     scale: float | None = None,
-    tensor: NDArray[np.float32] | None = None,
-    tensor_scale: float = 1.0,
-    steps: NDArray[np.float32] | None = None,
+    picture: tuple[NDArray[np.float32], float, NDArray[np.float32] | None] | None = None,
 ) -> tuple[list[JointExplanation], float]:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 

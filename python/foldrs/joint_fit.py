@@ -32,9 +32,7 @@ def fit_jointly(
         outlines,
         flexible,
         px_per_unit,
-        None if edges is None else edges.tensor,
-        1.0 if edges is None else edges.scale,
-        None if edges is None else edges.steps,
+        None if edges is None else (edges.tensor, edges.scale, edges.steps),
     )
     return [
         Explanation(

@@ -387,11 +387,11 @@ class ScaleParameters:
     rim: float = 2.0
     """px, of a picture of 320 px, larger ones in proportion: what is painted over around a marker or sheet
     besides, its shadow."""
-    whiteness: float = 12.0
-    """Chroma (CIELAB) up to which a sheet is white; warm light gives white paper some 8."""
+    whiteness: float = 18.0
+    """Chroma (CIELAB) up to which a sheet is white; warm or cool light gives white paper up to 15."""
     brightness: float = 60.0
     """Least lightness (CIELAB) of a sheet of white paper; it must be lighter than the table around, too."""
-    step: float = 6.0
+    step: float = 5.0
     """Lightness by which a sheet stands out from what lies around it."""
     evenness: float = 6.0
     """Largest spread of a sheet's lightness: paper has no pattern."""
@@ -428,6 +428,9 @@ class DepthParameters:
     sure: float = 7.0
     """Median height of the cloth, in the same, from which on the depth is asked where the garment is. Below,
     the colours tell it better."""
+    step_blur: float = 2.0
+    """px: Gaussian blur of the heights, besides, before their steps count as rims: a layer is hardly thicker
+    than the sensor's noise."""
     agreement: float = 0.93
     """Overlap (intersection over union) of the garment by height and by colour from which on the colours are
     followed, which show the rim more finely; below, the heights."""

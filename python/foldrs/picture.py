@@ -46,7 +46,7 @@ def colour_edges(rgb: NDArray[np.uint8], parameters: PictureParameters) -> Colou
     return ColourEdges(_structure_tensor(lab), scale)
 
 
-def with_heights(edges: ColourEdges, heights: NDArray[np.float32]) -> ColourEdges:
+def with_heights(edges: ColourEdges, heights: NDArray[np.float32], blur: float) -> ColourEdges:
     """Add steps in height to the edges of colour: they show the rims of both layers.
 
     Parameters
@@ -55,10 +55,13 @@ def with_heights(edges: ColourEdges, heights: NDArray[np.float32]) -> ColourEdge
         Of the picture.
     heights : (h, w) float32 array
         Heights above the table, pixel on pixel with the picture, in any unit.
+    blur : float
+        px of the edges' picture: Gaussian blur before the gradient.
     """
     size = edges.tensor.shape[1::-1]
-    small = np.asarray(cv2.resize(heights, size, interpolation=cv2.INTER_AREA), np.float32)
-    return replace(edges, steps=_structure_tensor(small[:, :, None]))
+    small = cv2.resize(heights, size, interpolation=cv2.INTER_AREA)
+    smooth = np.asarray(cv2.GaussianBlur(small, (0, 0), blur), np.float32)
+    return replace(edges, steps=_structure_tensor(smooth[:, :, None]))
 
 
 def _structure_tensor(channels: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -140,7 +140,7 @@ def fit(
     else:
         edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
         if edges is not None and sight.heights is not None:
-            edges = with_heights(edges, sight.heights)
+            edges = with_heights(edges, sight.heights, parameters.depth.step_blur)
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, parameters)
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp

@@ -83,27 +83,31 @@ impl PyJointExplanation {
     }
 }
 
+/// Structure tensors of a picture's colours, their pixels a pixel of the picture, and perhaps those of its heights; all of
+/// one shape (h, w, 3).
+type Edges<'py> = (
+    PyReadonlyArray3<'py, f32>,
+    f64,
+    Option<PyReadonlyArray3<'py, f32>>,
+);
+
 /// Claims about the fold axis, without testing them, and the joint fits they lead to; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, outlines, templates, scale=None, tensor=None, tensor_scale=1.0, steps=None))]
+#[pyo3(signature = (seen, outlines, templates, scale=None, picture=None))]
 pub(crate) fn fit_jointly(
     py: Python<'_>,
     seen: &PySeen,
     outlines: Vec<PyReadonlyArray2<'_, f64>>,
     templates: Vec<PyRef<'_, PyFlexibleTemplate>>,
     scale: Option<f64>,
-    tensor: Option<PyReadonlyArray3<'_, f32>>,
-    tensor_scale: f64,
-    steps: Option<PyReadonlyArray3<'_, f32>>,
+    picture: Option<Edges<'_>>,
 ) -> PyResult<(Vec<PyJointExplanation>, f64)> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
     let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
     let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
-    let picture = tensor
-        .map(|t| picture(&t, steps.as_ref(), tensor_scale))
-        .transpose()?;
+    let picture = picture.as_ref().map(prepared).transpose()?;
     let fits = py.detach(|| {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
         let fits = explain_jointly(
@@ -122,16 +126,12 @@ pub(crate) fn fit_jointly(
     Ok(fits)
 }
 
-/// The picture of (h, w, 3) arrays of structure tensors, of colours and perhaps of heights.
-fn picture(
-    tensor: &PyReadonlyArray3<'_, f32>,
-    steps: Option<&PyReadonlyArray3<'_, f32>>,
-    scale: f64,
-) -> PyResult<Picture> {
+/// The picture of structure tensors.
+fn prepared((tensor, scale, steps): &Edges<'_>) -> PyResult<Picture> {
     let view = tensor.as_array();
     let (height, width, parts) = view.dim();
-    let alike = steps.is_none_or(|s| s.as_array().dim() == view.dim());
-    if parts != 3 || !alike || !(scale > 0.0 && scale.is_finite()) {
+    let alike = steps.as_ref().is_none_or(|s| s.as_array().dim() == view.dim());
+    if parts != 3 || !alike || !(*scale > 0.0 && scale.is_finite()) {
         return Err(PyValueError::new_err(
             "structure tensors must be of one shape (h, w, 3) and their scale positive",
         ));
@@ -144,7 +144,7 @@ fn picture(
         width,
         height,
         tensor: parts_of(tensor),
-        steps: steps.map(parts_of),
-        scale,
+        steps: steps.as_ref().map(parts_of),
+        scale: *scale,
     })
 }

@@ -69,9 +69,11 @@ class Sheet:
         """
         size = (rgb.shape[1], rgb.shape[0])
         found: list[tuple[Points, Solved]] = []
+        tried: list[Points] = []
         for quad in _white_quads(rgb, parameters):
-            if any(_overlap(quad, other, rgb.shape[:2]) > _SAME for other, _ in found):
+            if any(_overlap(quad, other, rgb.shape[:2]) > _SAME for other in tried):
                 continue
+            tried.append(quad)
             sheet = self._solved(quad, size, camera, parameters)
             if sheet is not None:
                 found.append(sheet)

@@ -29,6 +29,9 @@ _START_TILT = 0.45
 
 _DIRECTIONS = 8
 
+_EVALUATIONS = 40
+"""At most so many a start: what has not settled then is no rectangle of that size."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solved:
@@ -102,7 +105,8 @@ def plane_of_rectangles(
 
     angles = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
     starts = [np.zeros(4), *(np.array([np.cos(a), np.sin(a), 0, 0]) * _START_TILT for a in angles)]
-    best = min((least_squares(residuals, start, x_scale=0.1) for start in starts), key=lambda fit: fit.cost)
+    fits = (least_squares(residuals, start, x_scale=0.1, max_nfev=_EVALUATIONS) for start in starts)
+    best = min(fits, key=lambda fit: fit.cost)
     homography = inverse(to_image(best.x))
     return Solved(
         plane=TablePlane(homography, camera),
