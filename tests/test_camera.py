@@ -151,6 +151,9 @@ def test_image_and_table_tell_the_same_points(result: foldrs.FitResult, plane: T
         ),
     ):
         np.testing.assert_allclose(plane.to_table(image), table, atol=1e-6)
+    chosen = result.alternatives[0]
+    np.testing.assert_allclose(chosen.fold.axis_image, result.fold.axis_image, atol=1e-6)
+    np.testing.assert_allclose(chosen.unfolded_outline_image, result.unfolded_outline_image, atol=1e-6)
     one, there = result.unfolding.one_arm, result.table.unfolding.one_arm
     assert one is not None
     assert there is not None

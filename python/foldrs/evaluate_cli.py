@@ -107,9 +107,7 @@ def evaluate_command(
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    evaluation = Evaluation(
-        protocol, chosen, px_per_cm, method, outlines, not uncalibrated, reference, out
-    )
+    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, not uncalibrated, reference, out)
     if report is None:
         rows = _run(evaluation, found, jobs)
     else:

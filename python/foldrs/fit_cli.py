@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
 from foldrs._camera_options import camera_options, known_of_table
+from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:

@@ -61,7 +61,14 @@ def carried_back(
         },
         grasp_pairs=tuple(replace(pair, image=carry(pair.image)) for pair in flat.grasp_pairs),
         unfolding=carried_unfolding(flat.unfolding, carry),
-        alternatives=tuple(replace(other, fold=moved(other.fold)) for other in flat.alternatives),
+        alternatives=tuple(
+            replace(
+                other,
+                fold=moved(other.fold),
+                unfolded_outline_image=carry(other.unfolded_outline_image),
+            )
+            for other in flat.alternatives
+        ),
         candidate_creases=tuple(carry(crease) for crease in flat.candidate_creases),
         from_above=FromAbove(flat, picture, view.px_per_cm),
         table=ResultInFrame.of(flat, "cm", view.to_table),
