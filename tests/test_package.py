@@ -126,7 +126,7 @@ def test_the_tutorial_runs_as_it_stands_and_draws_its_pictures(tmp_path: Path) -
     command = [sys.executable, "docs/run_page.py", "docs/tutorial.md", tmp_path / "tutorial"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert "pick (" in done.stdout
+    assert " m, put it down at [" in done.stdout
     pictures = re.findall(r"!\[[^]]*\]\((\S+)\)", (ROOT / "docs/tutorial.md").read_text())
     assert pictures
     assert all((tmp_path / picture).is_file() for picture in pictures)
