@@ -18,7 +18,7 @@ from foldrs._options import px_per_cm_option, report_option, rerun_option, templ
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
-    from foldrs.pipeline import Folds
+    from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
     from foldrs.template import Template
 
@@ -116,7 +116,7 @@ def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Fo
     show_default=True,
     metavar="N|auto",
     callback=_folds,
-    help="Folds to undo; only one is supported so far.",
+    help="Folds to undo; auto: as many as explain more than their freedom costs.",
 )
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
 @click.option(
@@ -166,7 +166,7 @@ def fit_command(
         raise click.UsageError("--plot needs --out DIR to write to")
     try:
         check_scale(px_per_cm)
-        check_folds(folds)
+        check_folds(folds, method)
         chosen = choose_templates(templates or None, garment_type)
         if out is not None:
             read = (*images, *templates, *(() if mask is None else (mask,)))
@@ -257,9 +257,18 @@ def _reason(error: BaseException) -> str:
     return str(error) if isinstance(error, FoldrsError) else f"{type(error).__name__}: {error}"
 
 
+def _folds_told(result: FitResult) -> str:
+    if not result.folds:
+        return "not folded,"
+    if not result.accepted:
+        return "no fold found better than none,"
+    count = len(result.folds)
+    return "folded" if count == 1 else f"folded {count} times,"
+
+
 def _line(image: Path, result: FitResult) -> str:
     probability = result.alternatives[0].probability
-    fold = "folded" if result.accepted else "no fold found better than none,"
+    fold = _folds_told(result)
     pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
     found = f"{result.garment_type}, {fold} p = {probability:.2f}, grasp {pair}"
     return f"{image.name}: {found}, {result.seconds:.2f} s"
