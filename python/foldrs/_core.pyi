@@ -335,7 +335,7 @@ class JointFits:
         """The largest number of folds tried."""
     @property
     def enough(self) -> int:
-        """The number of folds from which on a further one explains no more than its freedom costs."""
+        """The number of folds that explain the outline best, for what their freedom costs."""
     def surprise(self, folds: int) -> float:
         """Minus log evidence in nats of the best explanation by so many folds; infinite if there is none."""
     def explanations(self, folds: int) -> list[JointExplanation]:
@@ -353,9 +353,9 @@ def fit_jointly(
 ) -> JointFits:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
-    The fits start from what partial matching claims about the axis. `folds` is the number of folds, or the largest
-    number if `up_to`: then further ones are tried while they explain more. `scale` is the number of seen units a
-    template unit, if known.
+    The fits start from what partial matching claims about the axis. `folds` is the number of folds, or the
+    largest number if `up_to`: then further ones are tried while they explain more. `scale` is the number of
+    seen units a template unit, if known.
     """
 
 class FoldedStack:
@@ -383,8 +383,8 @@ class FoldedStack:
 def fold_stack(outline: _Points, axes: Sequence[_Points], on_top: Sequence[bool] = ()) -> FoldedStack:
     """Fold an outline over axes that have the flap on their left, the first made first.
 
-    All axes are in the frame of the part that no fold turns over. `on_top` tells of every fold whether its flap comes
-    to lie on top of the kept part; true where it is silent.
+    All axes are in the frame of the part that no fold turns over. `on_top` tells of every fold whether its
+    flap comes to lie on top of the kept part; true where it is silent.
 
     Raises
     ------

@@ -55,7 +55,9 @@ def draw_evidence(ax: Axes, result: FitResult, image: RgbImage | None, sides: Se
         lines += _draw_grasp(ax, result, best)
     for mark in result.landmarks.values():
         pens.dot(ax, mark.image, filled=mark.accessible)
-    pens.names(ax, {n: m.image for n, m in result.landmarks.items()}, np.vstack([np.empty((0, 2)), *lines]), best)
+    pens.names(
+        ax, {n: m.image for n, m in result.landmarks.items()}, np.vstack([np.empty((0, 2)), *lines]), best
+    )
 
 
 def draw_fitted_template(ax: Axes, result: FitResult) -> None:

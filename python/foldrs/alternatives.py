@@ -1,8 +1,8 @@
 """Distinct explanations and how probable each is.
 
-Two explanations are the same if they predict the same in the image: the same last crease, and the same garment
-when unfolded (or its mirror image over the crease: which part was turned over cannot be told). So the mirror
-twins of a symmetric template count once, whatever its symmetry.
+Two explanations are the same if they predict the same in the image: the same last crease, and the same
+garment when unfolded (or its mirror image over the crease: which part was turned over cannot be told). So
+the mirror twins of a symmetric template count once, whatever its symmetry.
 """
 
 from __future__ import annotations

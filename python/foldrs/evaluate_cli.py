@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from foldrs._options import px_per_cm_option, report_option, template_option
+from foldrs._options import folds_option, px_per_cm_option, report_option, template_option
 from foldrs.errors import FoldrsError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from foldrs.evaluation import Evaluation, Scene, SceneMeasures
+    from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
     from foldrs.template import Template
 
@@ -39,6 +40,7 @@ _WIDTH = 110
 @template_option
 @px_per_cm_option
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
+@folds_option(default="given", help="Folds to undo; given: as many as the scene has; auto: to be found.")
 @click.option(
     "--outlines", is_flag=True, help="Use the true outlines, not the photographs: the matching alone."
 )
@@ -61,6 +63,7 @@ def evaluate_command(
     templates: tuple[Path, ...],
     px_per_cm: float | None,
     method: Literal["best", "paper"],
+    folds: Folds | Literal["given"],
     outlines: bool,
     count: int,
     seed: int,
@@ -77,11 +80,13 @@ def evaluate_command(
 
     from foldrs.evaluation import Evaluation, load_scenes, print_tables, virtual_scenes, write_csv, write_json
     from foldrs.evaluation.virtual import PX_PER_CM
-    from foldrs.pipeline import check_scale, choose_templates
+    from foldrs.pipeline import check_folds, check_scale, choose_templates
 
     found: Scenes
     try:
         check_scale(px_per_cm)
+        if folds != "given":
+            check_folds(folds, method)
         chosen = choose_templates(templates or None, None)
         if protocol == "synthetic":
             found, px_per_cm, outlines = virtual_scenes(chosen, count, seed), PX_PER_CM, True
@@ -95,7 +100,7 @@ def evaluate_command(
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, out)
+    evaluation = Evaluation(protocol, chosen, px_per_cm, method, folds, outlines, out)
     if report is None:
         rows = _run(evaluation, found, jobs)
     else:
@@ -106,7 +111,13 @@ def evaluate_command(
         if row.error:
             click.secho(f"{row.scene}: {row.error}", fg="red", err=True)
     if out is not None:
-        options = {"protocol": protocol, "method": method, "px_per_cm": px_per_cm, "true_outlines": outlines}
+        options = {
+            "protocol": protocol,
+            "method": method,
+            "folds": folds,
+            "px_per_cm": px_per_cm,
+            "true_outlines": outlines,
+        }
         if protocol == "synthetic":
             options |= {"count": count, "seed": seed}
         write_csv(rows, out / "evaluation.csv")

@@ -21,15 +21,15 @@ class Explanation:
     template: Template
     """The template as given."""
     original_axis: Points | None
-    """(2, 2) axis found on it by the matching stage, template units; of several folds that of the first made; None
-    if there is no fold."""
+    """(2, 2) axis found on it by the matching stage, template units; of several folds that of the first
+    made; None if there is no fold."""
     fitted: FittedTemplate
     """The fitted template with its axis; its outline has the vertices of the given one, moved."""
     to_image: Points
     """(2, 3) similarity from template units to image px; reflecting if the garment shows its other face."""
     folds: tuple[Fold, ...]
-    """First made first; empty for a garment that lies unfolded. The flap was on a crease's left (from x towards y)
-    before it was turned."""
+    """First made first; empty for a garment that lies unfolded. The flap was on a crease's left (from x
+    towards y) before it was turned."""
     cost: float
     """Cost of the method that made it; comparable within that method."""
     original_cost: float

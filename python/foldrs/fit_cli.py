@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
+from foldrs._options import folds_option, px_per_cm_option, report_option, rerun_option, template_option
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
@@ -95,29 +95,12 @@ class FitCommand(click.Command):
         return super().parse_args(ctx, [*read, *args[end:]])
 
 
-def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Folds:
-    """Read N or auto."""
-    if value == "auto":
-        return "auto"
-    try:
-        return int(value)
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is neither a whole number nor 'auto'") from None
-
-
 @click.command("fit", cls=FitCommand)
 @click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="IMAGE...")
 @click.option("--type", "garment_type", metavar="KIND", help="Match templates of this kind only.")
 @template_option
 @px_per_cm_option
-@click.option(
-    "--folds",
-    default="1",
-    show_default=True,
-    metavar="N|auto",
-    callback=_folds,
-    help="Folds to undo; auto: as many as explain more than their freedom costs.",
-)
+@folds_option(default="1", help="Folds to undo; auto: as many as explain more than their freedom costs.")
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
 @click.option(
     "--mask", type=click.Path(path_type=Path), help="The garment's mask (image file) for a single IMAGE."

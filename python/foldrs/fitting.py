@@ -181,5 +181,10 @@ class _Iteration:
         """Make the next template of a stage; None if that cannot be done."""
         (fold,) = stage.explanation.folds
         return update_template(
-            stage.explanation.fitted.outline, fold.axis_template, stage.laid, self.seen.points, self.px_per_unit, self.parameters
+            stage.explanation.fitted.outline,
+            fold.axis_template,
+            stage.laid,
+            self.seen.points,
+            self.px_per_unit,
+            self.parameters,
         )

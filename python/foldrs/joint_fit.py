@@ -48,9 +48,7 @@ def fit_jointly(
     ]
 
 
-def explanation(
-    template: Template, fit: _core.JointExplanation, unfolded: float, sure: float
-) -> Explanation:
+def explanation(template: Template, fit: _core.JointExplanation, unfolded: float, sure: float) -> Explanation:
     """Tell a joint fit as an explanation; `unfolded` is what explaining it without folds costs."""
     # Which layer is on top has been looked for only where there are two.
     on_top = layer_on_top(fit.flap_on_top, sure) if len(fit.axes) == 1 else None
@@ -63,9 +61,7 @@ def explanation(
             fit.axes[0] if fit.axes else None,
         ),
         to_image=fit.to_seen,
-        folds=tuple(
-            Fold(crease, axis, on_top) for crease, axis in zip(fit.creases, fit.axes, strict=True)
-        ),
+        folds=tuple(Fold(crease, axis, on_top) for crease, axis in zip(fit.creases, fit.axes, strict=True)),
         cost=fit.surprise,
         original_cost=fit.surprise,
         unfolded_cost=unfolded,

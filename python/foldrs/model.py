@@ -1,8 +1,8 @@
 """Stage 6, the polygon model of the folded garment and its grasp points (section 3).
 
 The model is the fitted template's polygon in the image with the creases (eq. 3 and 4). Folding it says which
-landmarks were turned over, where the layers overlap, and which landmarks a gripper can reach. It holds for any number
-of folds; without any the garment lies in one layer.
+landmarks were turned over, where the layers overlap, and which landmarks a gripper can reach. It holds for
+any number of folds; without any the garment lies in one layer.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class FoldedModel:
 
     @cached_property
     def unfolding(self) -> UnfoldingAction | None:
-        """Undoing the last fold: every point picked goes to its mirror image over its crease; None without a fold."""
+        """Undoing the last fold: what is picked goes to its mirror image over the crease; None without."""
         if not self.explanation.folds:
             return None
         crease = self.explanation.folds[-1].axis_image

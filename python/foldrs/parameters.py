@@ -211,13 +211,13 @@ class JointFitParameters:
     """As `shift`, of the crease of a fold that others follow: they leave less of it to be seen."""
     earlier_skew: float = 0.1
     """Radians: as `skew`, likewise."""
-    first_fold: float = 9.0
+    first_fold: float = 11.0
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
-    folded, a fold near a hem still takes up what the template's shape does not explain. At 9, nine in ten almost
-    flat garments come out flat, and nineteen in twenty folded ones folded."""
+    folded, a fold near a hem still takes up what the template's shape does not explain. Some nine in ten
+    almost flat garments gain less, as many folded ones more."""
     further_fold: float = 4.0
-    """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded once
-    are taken for folded twice as the other way round."""
+    """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded
+    once are taken for folded twice as the other way round."""
     noise: float = 0.8
     """Expected distance of the seen outline from the model's straight edges: curved hems, soft cloth."""
     tail: float = 3.0

@@ -59,8 +59,8 @@ def fit(
     px_per_cm : float, optional
         Known scale, px a template unit. Without it the scale is found.
     folds : int or "auto"
-        How many folds to undo; "auto": as many as explain more than their freedom costs, none for a garment that
-        lies flat. The published method undoes one.
+        How many folds to undo; "auto": as many as explain more than their freedom costs, none for a garment
+        that lies flat. The published method undoes one.
     method : {"best", "paper"}
         The published method, or whatever is most accurate.
     mask : path or (h, w) array, optional

@@ -53,17 +53,18 @@ class FittedTemplate:
     landmarks: Mapping[str, Points]
     """Named points of the outline, (2,) each."""
     axis: Points | None
-    """(2, 2) end points of the fold axis, of several folds that of the first made; the part on its left (from x
-    towards y) is the flap. None if there is no fold."""
+    """(2, 2) end points of the fold axis, of several folds that of the first made; the part on its left
+    (from x towards y) is the flap. None if there is no fold."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fold:
     """One fold: the crease in the image and the axis on the fitted template.
 
-    Both lie where the fold was made, in the frame of the part of the garment that no fold turned over: the garment
-    unfolded again where it lies, and folded over all creases in their order, is what is seen. Of the last fold that
-    is the crease seen; an earlier one may have been turned over since, in part or whole (`FitResult.layers`).
+     Both lie where the fold was made, in the frame of the part of the garment that no fold turned over: the
+     garment unfolded again where it lies, and folded over all creases in their order, is what is seen. Of the
+     last fold that is the crease seen; an earlier one may have been turned over since, in part or whole
+    .
     """
 
     axis_image: Points

@@ -247,7 +247,7 @@ impl Default for FitParameters {
             skew: 0.03,
             earlier_shift: 1.0,
             earlier_skew: 0.1,
-            first_fold: 9.0,
+            first_fold: 11.0,
             further_fold: 4.0,
             noise: 0.8,
             tail: 3.0,

@@ -24,6 +24,7 @@ from foldrs.evaluation.axes import template_distance
 from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import SceneMeasures, failed, measure
 from foldrs.evaluation.scenes import Scene
+from foldrs.joint_fit import Folds
 from foldrs.pipeline import Method, fit
 from foldrs.result import FitResult
 from foldrs.template import Template
@@ -42,6 +43,8 @@ class Evaluation:
     px_per_cm: float | None = None
     """Known scale; None to have it found."""
     method: Method = "best"
+    folds: Folds | Literal["given"] = "given"
+    """How many folds to undo; as many as there truly are if that is given as the kind is."""
     true_outlines: bool = False
     """Give the true outline instead of the photograph: the matching alone, without the segmentation."""
     out: Path | None = None
@@ -85,6 +88,7 @@ class Evaluation:
             garment_type=None if self.protocol == "open" else scene.garment_type,
             templates=competing,
             px_per_cm=self.px_per_cm,
+            folds=scene.folds if self.folds == "given" else self.folds,
             method=self.method,
         )
         if path is not None:

@@ -62,17 +62,12 @@ def describe(
     parameters : SynthParameters
         ``px_per_cm``, ``on_outline_cm`` and ``clear_cm``.
     """
-    scale, first = parameters.px_per_cm, folds[0]
+    scale = parameters.px_per_cm
     truth: dict[str, Any] = {
         "type": garment.garment_type,
         "garment": garment.name,
         "px_per_cm": scale,
-        "scenario": first.scenario,
-        "flap_fraction": round(first.fraction, 4),
-        "flap_under": first.under,
-        "axis_garment": _written(first.turn.axis * scale),
-        "axis_image": _written(pose.to_image(first.turn.axis)),
-        "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
+        **_first_fold(folds, pose, scale),
         "outline_garment": _written(garment.outline * scale),
         "unfolded_image": _written(pose.to_image(garment.outline)),
         "outline_image": _written(outline),
@@ -88,6 +83,20 @@ def describe(
             "flap_under": second.under,
         }
     return truth
+
+
+def _first_fold(folds: list[Fold], pose: Pose, scale: float) -> dict[str, Any]:
+    if not folds:
+        return {"scenario": "flat", "axis_garment": None, "creases_image": []}
+    first = folds[0]
+    return {
+        "scenario": first.scenario,
+        "flap_fraction": round(first.fraction, 4),
+        "flap_under": first.under,
+        "axis_garment": _written(first.turn.axis * scale),
+        "axis_image": _written(pose.to_image(first.turn.axis)),
+        "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
+    }
 
 
 def _landmarks(

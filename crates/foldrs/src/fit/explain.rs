@@ -65,11 +65,11 @@ impl JointFits {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The number of folds from which on a further one explains no more than its freedom costs.
+    /// The number of folds that explain the outline best; further ones explain no more than their freedom costs.
     pub fn enough(&self) -> usize {
-        (1..self.by_folds.len())
-            .take_while(|&n| self.surprise(n) < self.surprise(n - 1))
-            .last()
+        let tried = 0..self.by_folds.len();
+        tried
+            .min_by(|&a, &b| self.surprise(a).total_cmp(&self.surprise(b)))
             .unwrap_or(0)
     }
 }
@@ -109,7 +109,8 @@ pub fn explain_jointly(
             &search.parameters,
         );
         found.by_folds.push(search.told(&fits, count));
-        if count == most || !(all || found.enough() == count) {
+        // One fold alone may explain little of a garment folded twice, so two are always tried.
+        if count == most || !(all || count == 1 || found.enough() == count) {
             break;
         }
         starts = search.further(&starts, &fits);
