@@ -85,8 +85,10 @@ def draw_agreement(ax: Axes, result: FitResult, image: RgbImage | None) -> str:
     pens.frame(ax, np.vstack([result.outline_image, model]))
     pens.photograph(ax, image, pale=True)
     if folded:
-        for layer, turned in zip(folded.layers, folded.turned, strict=True):
-            pens.fill(ax, [layer], FLAP if any(turned[-1:]) else KEPT, 0.45 / max(1, len(result.folds)))
+        kept, flap = kept_and_flap(folded)
+        opacity = 0.45 / max(1, len(result.folds))
+        pens.fill(ax, kept, KEPT, opacity)
+        pens.fill(ax, flap, FLAP, opacity)
     pens.line(ax, pens.closed(result.outline_image), SEEN, 2.4, halo="white")
     pens.line(ax, pens.closed(model), MODEL, 1.4, halo="white")
     for k in reversed(range(len(result.folds) if folded else 0)):
@@ -171,13 +173,21 @@ def is_fitted(result: FitResult) -> bool:
     return not (np.allclose(given.outline, fitted.outline) and np.allclose(given.axis, fitted.axis))
 
 
-def folded_layers(result: FitResult) -> _core.FoldedStack | None:
-    """Fold the garment of the result over all its creases: its layers; None if a crease folds nothing."""
+def folded_layers(result: FitResult | Alternative) -> _core.FoldedStack | None:
+    """Fold the garment of an explanation over all its creases; None if a crease folds nothing."""
     creases = [fold.axis_image for fold in result.folds]
     try:
         return _core.fold_stack(result.unfolded_outline_image, creases)
     except ValueError:
         return None
+
+
+def kept_and_flap(layers: _core.FoldedStack) -> tuple[list[Points], list[Points]]:
+    """Part the layers into those the last fold kept and those it turned over."""
+    parts: tuple[list[Points], list[Points]] = ([], [])
+    for layer, turned in zip(layers.layers, layers.turned, strict=True):
+        parts[any(turned[-1:])].append(layer)
+    return parts
 
 
 def draw_creases(ax: Axes, creases: Sequence[Points], width: float, *, earlier: bool = False) -> None:

@@ -65,7 +65,10 @@ proptest! {
 #[test]
 fn folds_that_crease_nothing_are_named() {
     let beside = [Point::new(2.0, 0.0), Point::new(2.0, 1.0)];
-    assert_eq!(fold_stack(&square(), &[beside], &[]).unwrap_err(), FoldError::NoCrease);
+    assert_eq!(
+        fold_stack(&square(), &[beside], &[]).unwrap_err(),
+        FoldError::NoCrease
+    );
     let no_length = [Point::new(0.5, 0.5); 2];
     assert_eq!(
         fold_stack(&square(), &[no_length], &[]).unwrap_err(),
