@@ -23,6 +23,7 @@ impl Region {
     }
 
     /// What any of some rings covers.
+    #[must_use]
     pub fn union(rings: &[Vec<Point>]) -> Self {
         // One by one: rings that run opposite ways would cancel out where they overlap.
         let mut covered = Self::default();
@@ -33,6 +34,7 @@ impl Region {
     }
 
     /// What two or more of some rings cover.
+    #[must_use]
     pub fn doubled(rings: &[Vec<Point>]) -> Self {
         let (mut covered, mut doubled) = (Vec::new(), Vec::new());
         for one in rings {
@@ -45,6 +47,7 @@ impl Region {
     }
 
     /// The ring that encloses most, if there is one.
+    #[must_use]
     pub fn largest(&self) -> Option<Vec<Point>> {
         let area = |r: &Vec<Point>| crate::outline::signed_area(r).abs();
         self.rings

@@ -29,6 +29,7 @@ impl Turns {
     pub(crate) const MOST: usize = 32;
 
     /// Whether this fold, by its index, did.
+    #[must_use]
     pub fn by(self, fold: usize) -> bool {
         self.0 & (1 << fold) != 0
     }
@@ -105,11 +106,13 @@ impl FoldedStack {
     }
 
     /// Where two layers or more lie over each other.
+    #[must_use]
     pub fn double_layer(&self) -> Region {
         Region::doubled(&self.rings())
     }
 
     /// Where a point that belongs to the unfolded outline at an arc length comes to lie.
+    #[must_use]
     pub fn place(&self, point: &Point, arc: f64) -> Point {
         let turned = self.turns_at(arc);
         let over = self.axes.iter().enumerate().filter(|(k, _)| turned.by(*k));
@@ -117,6 +120,7 @@ impl FoldedStack {
     }
 
     /// Where the creases of a fold lie now, in the pieces that later folds left of them.
+    #[must_use]
     pub fn creases_seen(&self, fold: usize) -> Vec<Segment> {
         // Both layers beside a crease share it; the one the fold kept tells of it.
         let kept = self.layers.iter().filter(|cloth| !cloth.turned.by(fold));
@@ -215,6 +219,7 @@ pub struct Cloth {
 
 impl Cloth {
     /// The vertices of its rim where they lie now.
+    #[must_use]
     pub fn ring(&self) -> Vec<Point> {
         self.rim.iter().map(|s| s.from).collect()
     }

@@ -66,6 +66,7 @@ impl JointFits {
     }
 
     /// The number of folds that explain the outline best; further ones explain no more than their freedom costs.
+    #[must_use]
     pub fn enough(&self) -> usize {
         let tried = 0..self.by_folds.len();
         tried
