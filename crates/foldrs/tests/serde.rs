@@ -1,5 +1,6 @@
 //! Parameters, outlines and results are written and read back as they were.
 
+use foldrs::fit::FoldCount;
 use foldrs::prelude::*;
 use serde_json::{from_str, to_string};
 
