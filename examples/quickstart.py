@@ -21,12 +21,13 @@ def main() -> None:
         result = foldrs.fit(photo)
 
     print(f"{result.garment_type}, {'folded' if result.accepted else 'not folded as far as can be told'}")
-    print("crease, px:", result.fold.axis_image.round().tolist())
+    if result.fold is not None:
+        print("crease, px:", result.fold.axis_image.round().tolist())
     for pair in result.grasp_pairs[:1]:
         print("grasp", " and ".join(pair.landmarks), "at", pair.image.round().tolist())
     for other in result.alternatives:
-        crease = other.fold.axis_image.round().tolist()
-        print(f"  {other.probability:4.0%}  {other.garment_type:8}  crease {crease}")
+        creases = [fold.axis_image.round().tolist() for fold in other.folds]
+        print(f"  {other.probability:4.0%}  {other.garment_type:8}  creases {creases}")
 
 
 if __name__ == "__main__":

@@ -196,9 +196,11 @@ def test_outlines_of_any_size_and_place(outline: NDArray[np.float64]) -> None:
         ({"garment_type": "ballgown"}, "t-shirt"),
         ({"garment_type": "towel", "templates": []}, "none"),
         ({"garment_type": "ballgown", "templates": [TOWEL]}, "towel"),
-        ({"folds": 2}, "only one fold"),
-        ({"folds": "auto"}, "only one fold"),
-        ({"folds": 0}, "only one fold"),
+        ({"folds": -1}, "whole number"),
+        ({"folds": 9}, "whole number"),
+        ({"folds": 1.5}, "whole number"),
+        ({"folds": "many"}, "whole number"),
+        ({"folds": 2, "method": "paper"}, "undoes one fold"),
         ({"method": "guess"}, "best, paper"),
     ],
 )
@@ -357,8 +359,8 @@ def test_results_never_overwrite_each_other_or_what_is_read(tmp_path: Path, scen
 @pytest.mark.parametrize(
     ("options", "status", "words"),
     [
-        (["--folds", "2"], 1, "only one fold"),
-        (["--folds", "auto"], 1, "only one fold"),
+        (["--folds", "9"], 1, "whole number"),
+        (["--folds", "auto", "--method", "paper"], 1, "undoes one fold"),
         (["--folds", "many"], 2, "auto"),
         (["--px-per-cm", "nan"], 1, "px_per_cm"),
         (["--px-per-cm", "-1"], 1, "px_per_cm"),

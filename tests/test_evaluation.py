@@ -319,6 +319,29 @@ def test_scenes_folded_twice_ask_for_the_creases_seen():
     assert row.unfolded_iou > 0.98
 
 
+def test_scenes_not_folded_are_measured_as_they_lie():
+    folded = scene()
+    flat = scene(axis_garment=None, outline_image=folded.unfolded_image)
+    as_flat = {"fold": None, "folds": [], "template": {**with_axis([[0, 0], [1, 1]]), "axis": None}}
+    row = measure(flat, prediction(folded, **as_flat), SHEET)
+    assert (row.folds, row.folds_found) == (0, 0)
+    assert (row.right, row.right_in_first) == (None, None)
+    assert row.unfolded_iou > 0.98
+    assert max(row.landmarks_px) < 1e-6
+    assert row.pair_right
+    assert summary([row]).folds_rate == 100
+    taken_for_folded = measure(flat, prediction(folded), SHEET)
+    assert summary([row, taken_for_folded]).folds_rate == 50
+
+
+def test_a_fold_taken_for_none_is_wrong_but_measured():
+    truth = scene()
+    flat = {**with_axis([[0, 0], [1, 1]]), "axis": None}
+    told = prediction(truth, fold=None, folds=[], template=flat, original_template=flat, alternatives=[])
+    row = measure(truth, told, SHEET)
+    assert (row.right, row.right_in_first, row.folds_found) == (False, False, 0)
+
+
 def test_distance_of_a_template_before_folding():
     assert template_distance(scene(), [RECTANGLE], SHEET) == pytest.approx(0, abs=1e-6)
     half_size = template(RECTANGLE.outline / 2)

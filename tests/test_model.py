@@ -10,7 +10,7 @@ from foldrs import _core
 from foldrs.explanation import Explanation
 from foldrs.model import FoldedModel
 from foldrs.parameters import GraspParameters
-from foldrs.result import FittedTemplate
+from foldrs.result import FittedTemplate, Fold
 
 PX = 4.0
 
@@ -26,7 +26,7 @@ def model_of(axis, kind="towel"):
         original_axis=axis,
         fitted=FittedTemplate(template.outline, template.landmarks, axis),
         to_image=to_image,
-        crease=crease,
+        folds=(Fold(crease, axis),),
         cost=0.0,
         original_cost=0.0,
         unfolded_cost=1.0,
@@ -48,7 +48,7 @@ def test_landmarks_on_the_flap_are_reflected_and_the_others_stay():
     now = np.array([mark.image for mark in model.landmarks.values()])
     moved = np.linalg.norm(now - stay, axis=1) > 1e-6
     assert moved.sum() == 1
-    turned = _core.reflect(stay[moved], model.explanation.crease)
+    turned = _core.reflect(stay[moved], model.explanation.folds[-1].axis_image)
     np.testing.assert_allclose(now[moved], turned, atol=1e-6)
 
 
@@ -71,7 +71,7 @@ def test_pairs_keep_their_order_and_leave_out_what_cannot_be_reached():
 def test_the_double_layer_is_the_turned_corner():
     model = model_of(corner_fold())
     area = sum(abs(_core.signed_area(ring)) for ring in model.layers.double_layer)
-    flap = sum(abs(_core.signed_area(piece)) for piece in model.layers.flap)
+    flap = sum(abs(_core.signed_area(piece)) for piece in model.layers.layers[1:])
     assert area == pytest.approx(flap, rel=1e-6)
 
 
@@ -82,7 +82,7 @@ def test_what_is_picked_is_put_down_mirrored_over_the_crease():
     assert action.one_arm is not None
     for move in (*action.two_arms, action.one_arm):
         np.testing.assert_allclose(
-            _core.reflect(move.place[None], model.explanation.crease)[0], move.pick, atol=1e-9
+            _core.reflect(move.place[None], model.explanation.folds[-1].axis_image)[0], move.pick, atol=1e-9
         )
         assert move.clearance > GraspParameters().clearance
     assert tuple(move.landmark for move in action.two_arms) == model.grasp_pairs[0].landmarks
@@ -91,7 +91,7 @@ def test_what_is_picked_is_put_down_mirrored_over_the_crease():
 def test_one_arm_takes_the_accessible_landmark_farthest_from_the_crease():
     model = model_of(corner_fold())
     assert model.unfolding.one_arm is not None
-    crease = model.explanation.crease
+    crease = model.explanation.folds[-1].axis_image
     direction = (crease[1] - crease[0]) / np.linalg.norm(crease[1] - crease[0])
 
     def away(point):

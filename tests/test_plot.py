@@ -76,7 +76,8 @@ def exact_result(kind: str = "pants") -> FitResult:
         landmarks=landmarks,
         grasp_pairs=tuple(pairs),
         unfolding=UnfoldingAction(two_arms=None, one_arm=None),
-        alternatives=tuple(Alternative(kind, p, fold, template, unfolded) for p in (0.7, 0.2, 0.004)),
+        unfolding_plan=(UnfoldingAction(two_arms=None, one_arm=None),),
+        alternatives=tuple(Alternative(kind, p, (fold,), template, unfolded) for p in (0.7, 0.2, 0.004)),
         image="pants-on-table.jpg",
         seconds=0.4,
     )

@@ -381,6 +381,7 @@ def test_mirrored() -> None:
 
 
 def test_number_of_folds() -> None:
+    assert all(scene.truth["axis_garment"] is None for scene in made(folds=0))
     assert all("second_fold" not in scene.truth for scene in made(folds=1))
     assert all("second_fold" in scene.truth for scene in made(folds=2))
 

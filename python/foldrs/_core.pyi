@@ -300,7 +300,7 @@ class FlexibleTemplate:
 
 @final
 class JointExplanation:
-    """A template fitted jointly with its crease."""
+    """A template fitted jointly with its creases."""
 
     @property
     def template(self) -> int:
@@ -309,11 +309,11 @@ class JointExplanation:
     def outline(self) -> _Points:
         """Corners of the fitted template, template units, in the order of the template given."""
     @property
-    def axis(self) -> _Points:
-        """Fold axis (2, 2) on the fitted template; the flap is on its left."""
+    def axes(self) -> list[_Points]:
+        """Fold axes (2, 2) on the fitted template, first made first; the flap is on their left."""
     @property
-    def crease(self) -> _Points:
-        """Crease (2, 2) on the seen outline; the flap was on its left."""
+    def creases(self) -> list[_Points]:
+        """Creases (2, 2) on the seen outline, likewise, in the frame of the part that no fold turns over."""
     @property
     def to_seen(self) -> _Points:
         """The (2, 3) similarity of the fitted template onto the seen outline; reflects for the other face."""
@@ -327,15 +327,66 @@ class JointExplanation:
     def surprise(self) -> float:
         """Minus log evidence in nats; comparable between templates."""
 
+class JointFits:
+    """The joint fits for every number of folds tried."""
+
+    @property
+    def most(self) -> int:
+        """The largest number of folds tried."""
+    @property
+    def enough(self) -> int:
+        """The number of folds that explain the outline best, for what their freedom costs."""
+    def surprise(self, folds: int) -> float:
+        """Minus log evidence in nats of the best explanation by so many folds; infinite if there is none."""
+    def explanations(self, folds: int) -> list[JointExplanation]:
+        """Return the explanations by so many folds, the best evidence first."""
+
 def fit_jointly(
     seen: Seen,
     outlines: Sequence[_Points],
     templates: Sequence[FlexibleTemplate],
+    folds: int,
+    up_to: bool = False,
     scale: float | None = None,
     picture: tuple[NDArray[np.float32], float, NDArray[np.float32] | None] | None = None,
-) -> tuple[list[JointExplanation], float]:
+) -> JointFits:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
-    Also returns the surprise of the best one's template unfolded. The fits start from what partial matching
-    claims about the axis. `scale` is the number of seen units a template unit, if known.
+    The fits start from what partial matching claims about the axis. `folds` is the number of folds, or the
+    largest number if `up_to`: then further ones are tried while they explain more. `scale` is the number of
+    seen units a template unit, if known.
+    """
+
+class FoldedStack:
+    """An outline folded several times, layer by layer."""
+
+    @property
+    def layers(self) -> list[_Points]:
+        """Rims (n, 2) of the layers where they lie now, the lowest first."""
+    @property
+    def turned(self) -> list[list[bool]]:
+        """For every layer whether each fold, first made first, turned it over."""
+    @property
+    def outline(self) -> _Points:
+        """Outline of the union of all layers."""
+    @property
+    def double_layer(self) -> list[_Points]:
+        """Rings (even-odd) of the region where two layers or more lie over each other."""
+    def creases(self, fold: int) -> list[_Points]:
+        """Where the creases (2, 2) of a fold lie now, in the pieces that later folds left of them."""
+    def distance_to_double_layer(self, points: _Points) -> _Points:
+        """Distance of every point from the double layer; 0 within it, inf if there is none."""
+    def place(self, points: _Points, arc: _Points) -> _Points:
+        """Where points of the unfolded outline (k, 2), given with their arc lengths (k,), come to lie."""
+
+def fold_stack(outline: _Points, axes: Sequence[_Points], on_top: Sequence[bool] = ()) -> FoldedStack:
+    """Fold an outline over axes that have the flap on their left, the first made first.
+
+    All axes are in the frame of the part that no fold turns over. `on_top` tells of every fold whether its
+    flap comes to lie on top of the kept part; true where it is silent.
+
+    Raises
+    ------
+    ValueError
+        If an axis has no direction, or creases nothing.
     """

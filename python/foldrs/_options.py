@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -42,3 +43,19 @@ rerun_option = click.option(
     callback=_with_suffix(".rrd"),
 )
 px_per_cm_option = click.option("--px-per-cm", type=float, help="Known scale; without it the scale is found.")
+
+
+def folds_option(default: str, help: str) -> Callable[[Any], Any]:
+    """Return the option ``--folds``: a whole number, ``auto``, or the word that is its default."""
+
+    def read(context: click.Context, parameter: click.Parameter, value: str) -> int | str:
+        if value in ("auto", default) and not value.isdigit():
+            return value
+        try:
+            return int(value)
+        except ValueError:
+            raise click.BadParameter(f"{value!r} is neither a whole number nor 'auto'") from None
+
+    return click.option(
+        "--folds", default=default, show_default=True, metavar="N|auto", callback=read, help=help
+    )

@@ -38,9 +38,8 @@ _COMPARED = 200  # points of the folded model whose distance from the outline is
 def draw_evidence(ax: Axes, result: FitResult, image: RgbImage | None, sides: Sequence[Points]) -> None:
     """Draw what was seen and what follows from it: crease, garment unfolded, landmarks, grasp points."""
     marks = [mark.image for mark in result.landmarks.values()]
-    pens.frame(
-        ax, np.vstack([result.outline_image, result.unfolded_outline_image, result.fold.axis_image, *marks])
-    )
+    creases = [fold.axis_image for fold in result.folds]
+    pens.frame(ax, np.vstack([result.outline_image, result.unfolded_outline_image, *creases, *marks]))
     pens.photograph(ax, image)
     pens.line(
         ax, pens.closed(result.unfolded_outline_image), UNFOLDED, 2.2, halo="black", linestyle=(0, (4, 2.5))
@@ -48,32 +47,35 @@ def draw_evidence(ax: Axes, result: FitResult, image: RgbImage | None, sides: Se
     pens.line(ax, pens.closed(result.outline_image), SEEN, 2.0, halo="white")
     for side in sides:
         pens.dimension(ax, side)
-    for earlier in result.folds[:-1]:
-        pens.line(ax, earlier.axis_image, CREASE, 2.0, halo="white", linestyle=(0, (3, 2)), zorder=5)
-    pens.line(ax, result.fold.axis_image, CREASE, 4.0, halo="white", zorder=5)
+    draw_creases(ax, creases, 4.0)
 
     best = result.grasp_pairs[0].landmarks if result.grasp_pairs else ()
-    lines = [_crease_points(result)]
+    lines = [pens.along(crease) for crease in creases]
     if best:
         lines += _draw_grasp(ax, result, best)
     for mark in result.landmarks.values():
         pens.dot(ax, mark.image, filled=mark.accessible)
-    pens.names(ax, {n: m.image for n, m in result.landmarks.items()}, np.vstack(lines), best)
+    pens.names(
+        ax, {n: m.image for n, m in result.landmarks.items()}, np.vstack([np.empty((0, 2)), *lines]), best
+    )
 
 
 def draw_fitted_template(ax: Axes, result: FitResult) -> None:
     """Draw the fitted template with its axis, over the one given with the axis of the matching stage."""
     given, fitted = result.original_template, result.template
-    pens.frame(ax, np.vstack([given.outline, fitted.outline, given.axis, fitted.axis]), margin=0.2)
+    axes = [fold.axis_template for fold in result.folds]
+    as_given = [] if given.axis is None else [given.axis]
+    pens.frame(ax, np.vstack([given.outline, fitted.outline, *as_given, *axes]), margin=0.2)
     if is_fitted(result):
         pens.line(ax, pens.closed(given.outline), FAINT, 1.2, zorder=1)
-        pens.line(ax, given.axis, FAINT, 2.0, linestyle=(0, (3, 1.5)), zorder=2)
+        for axis in as_given:
+            pens.line(ax, axis, FAINT, 2.0, linestyle=(0, (3, 1.5)), zorder=2)
     _draw_layers_unfolded(ax, fitted)
     pens.line(ax, pens.closed(fitted.outline), MODEL, 1.5)
-    pens.line(ax, fitted.axis, CREASE, 3.0, halo="white", zorder=4)
+    draw_creases(ax, axes, 3.0)
     for point in fitted.landmarks.values():
         pens.dot(ax, point, filled=True, size=4)
-    pens.names(ax, fitted.landmarks, pens.along(fitted.axis))
+    pens.names(ax, fitted.landmarks, np.vstack([np.empty((0, 2)), *map(pens.along, axes)]))
 
 
 def draw_agreement(ax: Axes, result: FitResult, image: RgbImage | None) -> str:
@@ -83,11 +85,15 @@ def draw_agreement(ax: Axes, result: FitResult, image: RgbImage | None) -> str:
     pens.frame(ax, np.vstack([result.outline_image, model]))
     pens.photograph(ax, image, pale=True)
     if folded:
-        pens.fill(ax, folded.kept, KEPT, 0.4)
-        pens.fill(ax, folded.flap, FLAP, 0.45)
+        kept, flap = kept_and_flap(folded)
+        opacity = 0.45 / max(1, len(result.folds))
+        pens.fill(ax, kept, KEPT, opacity)
+        pens.fill(ax, flap, FLAP, opacity)
     pens.line(ax, pens.closed(result.outline_image), SEEN, 2.4, halo="white")
     pens.line(ax, pens.closed(model), MODEL, 1.4, halo="white")
-    pens.line(ax, result.fold.axis_image, CREASE, 2.5, halo="white", zorder=4)
+    for k in reversed(range(len(result.folds) if folded else 0)):
+        for piece in folded.creases(k) if folded else ():
+            draw_creases(ax, [piece], 2.5, earlier=k + 1 < len(result.folds))
     _, off, _ = _core.nearest_on_outline(result.outline_image, _core.resample(model, _COMPARED))
     overlap = _core.outline_iou(model, result.outline_image)
     return f"overlap {overlap:.0%}, mean distance {off.mean():.1f} px"
@@ -95,15 +101,17 @@ def draw_agreement(ax: Axes, result: FitResult, image: RgbImage | None) -> str:
 
 def draw_alternative(on_outline: Axes, on_template: Axes, seen: Points, alternative: Alternative) -> None:
     """Draw the crease of an explanation on the outline seen, and its fold on its template."""
-    pens.frame(on_outline, np.vstack([seen, alternative.fold.axis_image]))
+    creases = [fold.axis_image for fold in alternative.folds]
+    axes = [fold.axis_template for fold in alternative.folds]
+    pens.frame(on_outline, np.vstack([seen, *creases]))
     on_outline.fill(*seen.T, color=SEEN, alpha=0.15, linewidth=0)
     pens.line(on_outline, pens.closed(seen), SEEN, 1.2)
-    pens.line(on_outline, alternative.fold.axis_image, CREASE, 3.0, halo="white", zorder=4)
+    draw_creases(on_outline, creases, 3.0)
     template = alternative.template
-    pens.frame(on_template, np.vstack([template.outline, template.axis]))
+    pens.frame(on_template, np.vstack([template.outline, *axes]))
     _draw_layers_unfolded(on_template, template)
     pens.line(on_template, pens.closed(template.outline), MODEL, 1.0)
-    pens.line(on_template, template.axis, CREASE, 2.2, halo="white", zorder=4)
+    draw_creases(on_template, axes, 2.2)
 
 
 def draw_match(
@@ -160,18 +168,35 @@ def is_fitted(result: FitResult) -> bool:
     given, fitted = result.original_template, result.template
     if given.outline.shape != fitted.outline.shape:
         return True
+    if given.axis is None or fitted.axis is None:
+        return not np.allclose(given.outline, fitted.outline)
     return not (np.allclose(given.outline, fitted.outline) and np.allclose(given.axis, fitted.axis))
 
 
-def folded_layers(result: FitResult) -> _core.FoldedLayers | None:
-    """Fold the garment of the result fold by fold: the layers of the last; None if it folds nothing."""
-    layers, outline = None, result.unfolded_outline_image
-    for fold in result.folds:
-        layers = fold_once(outline, fold.axis_image)
-        if layers is None:
-            return None
-        outline = layers.outline
-    return layers
+def folded_layers(result: FitResult | Alternative) -> _core.FoldedStack | None:
+    """Fold the garment of an explanation over all its creases; None if a crease folds nothing."""
+    creases = [fold.axis_image for fold in result.folds]
+    try:
+        return _core.fold_stack(result.unfolded_outline_image, creases)
+    except ValueError:
+        return None
+
+
+def kept_and_flap(layers: _core.FoldedStack) -> tuple[list[Points], list[Points]]:
+    """Part the layers into those the last fold kept and those it turned over."""
+    parts: tuple[list[Points], list[Points]] = ([], [])
+    for layer, turned in zip(layers.layers, layers.turned, strict=True):
+        parts[any(turned[-1:])].append(layer)
+    return parts
+
+
+def draw_creases(ax: Axes, creases: Sequence[Points], width: float, *, earlier: bool = False) -> None:
+    """Draw creases or axes, first made first: the last one bold, or none if they are `earlier` ones."""
+    for k, crease in enumerate(creases):
+        if earlier or k + 1 < len(creases):
+            pens.line(ax, crease, CREASE, 0.5 * width, halo="white", linestyle=(0, (3, 2)), zorder=5)
+        else:
+            pens.line(ax, crease, CREASE, width, halo="white", zorder=5)
 
 
 def fold_once(outline: Points, axis: Points) -> _core.FoldedLayers | None:
@@ -186,7 +211,9 @@ def fold_once(outline: Points, axis: Points) -> _core.FoldedLayers | None:
 def _draw_layers_unfolded(ax: Axes, template: FittedTemplate) -> None:
     """Shade the kept part and the flap of a template, the flap turned back."""
     ax.fill(*template.outline.T, color="white", linewidth=0, zorder=0.5)
-    if layers := fold_once(template.outline, template.axis):
+    if template.axis is None:
+        pens.fill(ax, [template.outline], KEPT, 0.35)
+    elif layers := fold_once(template.outline, template.axis):
         pens.fill(ax, layers.kept, KEPT, 0.35)
         pens.fill(ax, [_core.reflect(piece, template.axis) for piece in layers.flap], FLAP, 0.5)
 
@@ -214,7 +241,3 @@ def _landmarks_unfolded(result: FitResult) -> dict[str, Points]:
     # The unfolded outline is the template's, laid into the image: their corners correspond.
     to_image, *_ = np.linalg.lstsq(np.column_stack([outline, np.ones(len(outline))]), unfolded, rcond=None)
     return {name: np.append(point, 1.0) @ to_image for name, point in result.template.landmarks.items()}
-
-
-def _crease_points(result: FitResult) -> Points:
-    return np.vstack([pens.along(fold.axis_image) for fold in result.folds])

@@ -40,7 +40,7 @@ def matching_panels(result: FitResult, one: FittingPass, photo: RgbImage | None)
             "FC: candidate creases, shaded that of the crease (2.1.1)",
             lambda ax: _draw_seen(ax, result, one, photo),
         ),
-        ("UC: template, hypothesised fold axis FAxis (2.1.2)", lambda ax: _draw_template(ax, one.template)),
+        ("UC: template, hypothesised fold axis FAxis (2.1.2)", lambda ax: _draw_template(ax, one)),
         ("VFC: template virtually folded (2.1.2)", lambda ax: _draw_folded(ax, one)),
         ("PC: its correspondences to the outline (2.1.2)", lambda ax: _draw_partners(ax, one)),
     ]
@@ -60,29 +60,30 @@ def _draw_seen(ax: Axes, result: FitResult, one: FittingPass, photo: RgbImage | 
     pens.line(ax, one.crease, panels.CREASE, 3.5, halo="white", zorder=5)
 
 
-def _draw_template(ax: Axes, template: FittedTemplate, given: FittedTemplate | None = None) -> None:
+def _draw_template(ax: Axes, one: FittingPass, given: FittedTemplate | None = None) -> None:
     """Draw a template with its axis, kept part and flap shaded, over the one given if it differs."""
+    template = one.template
     outlines = [template.outline] if given is None else [template.outline, given.outline]
-    pens.frame(ax, np.vstack([*outlines, template.axis]))
+    pens.frame(ax, np.vstack([*outlines, one.axis]))
     ax.fill(*template.outline.T, color="white", linewidth=0, zorder=0.5)
-    layers = _core.fold_layers(template.outline, template.axis)
+    layers = _core.fold_layers(template.outline, one.axis)
     pens.fill(ax, layers.kept, panels.KEPT, 0.35)
-    pens.fill(ax, [_core.reflect(piece, template.axis) for piece in layers.flap], panels.FLAP, 0.5)
+    pens.fill(ax, [_core.reflect(piece, one.axis) for piece in layers.flap], panels.FLAP, 0.5)
     if given is not None:
         pens.line(ax, pens.closed(given.outline), panels.FAINT, 1.2, zorder=2)
     pens.line(ax, pens.closed(template.outline), panels.MODEL, 1.5)
-    pens.line(ax, template.axis, panels.CREASE, 3.0, halo="white", zorder=4)
+    pens.line(ax, one.axis, panels.CREASE, 3.0, halo="white", zorder=4)
 
 
 def _draw_folded(ax: Axes, one: FittingPass) -> None:
-    layers = _core.fold_layers(one.template.outline, one.template.axis)
-    pens.frame(ax, np.vstack([one.template.outline, one.folded, one.template.axis]))
+    layers = _core.fold_layers(one.template.outline, one.axis)
+    pens.frame(ax, np.vstack([one.template.outline, one.folded, one.axis]))
     ax.fill(*one.folded.T, color="white", linewidth=0, zorder=0.5)
     pens.fill(ax, layers.kept, panels.KEPT, 0.35)
     pens.fill(ax, layers.flap, panels.FLAP, 0.5)
     pens.line(ax, pens.closed(one.template.outline), panels.FAINT, 1.0, linestyle=(0, (3, 2)), zorder=2)
     pens.line(ax, pens.closed(one.folded), panels.MODEL, 1.5)
-    pens.line(ax, one.template.axis, panels.CREASE, 3.0, halo="white", zorder=4)
+    pens.line(ax, one.axis, panels.CREASE, 3.0, halo="white", zorder=4)
 
 
 def _draw_partners(ax: Axes, one: FittingPass) -> None:
@@ -96,7 +97,7 @@ def _draw_partners(ax: Axes, one: FittingPass) -> None:
         pens.line(ax, np.stack([folded[i], beside[one.partner[i]]]), PARTNERS, 0.8, zorder=2)
     pens.line(ax, pens.closed(folded), panels.MODEL, 1.5)
     pens.line(ax, pens.closed(beside), panels.SEEN, 2.0)
-    pens.line(ax, apply(one.to_image, one.template.axis), panels.CREASE, 2.5, halo="white", zorder=4)
+    pens.line(ax, apply(one.to_image, one.axis), panels.CREASE, 2.5, halo="white", zorder=4)
     _dots(ax, folded[paired], panels.MODEL)
     _dots(ax, beside[one.partner[paired]], panels.SEEN)
 
@@ -175,6 +176,6 @@ def pass_panels(passes: Sequence[FittingPass]) -> list[Panel]:
 
     def panel(number: int, one: FittingPass) -> Panel:
         name = "as given" if number == 0 else f"pass {number}"
-        return f"{name}: cost {one.cost:.3f}", lambda ax: _draw_template(ax, one.template, given)
+        return f"{name}: cost {one.cost:.3f}", lambda ax: _draw_template(ax, one, given)
 
     return [panel(number, one) for number, one in enumerate(passes)]

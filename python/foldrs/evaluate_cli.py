@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from foldrs._camera_options import reference_of, reference_options
-from foldrs._options import px_per_cm_option, report_option, template_option
+from foldrs._options import folds_option, px_per_cm_option, report_option, template_option
 from foldrs.errors import FoldrsError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from foldrs.evaluation import Evaluation, Scene, SceneMeasures
+    from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
     from foldrs.template import Template
 
@@ -40,6 +41,7 @@ _WIDTH = 110
 @template_option
 @px_per_cm_option
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
+@folds_option(default="given", help="Folds to undo; given: as many as the scene has; auto: to be found.")
 @click.option(
     "--outlines", is_flag=True, help="Use the true outlines, not the photographs: the matching alone."
 )
@@ -68,6 +70,7 @@ def evaluate_command(
     templates: tuple[Path, ...],
     px_per_cm: float | None,
     method: Literal["best", "paper"],
+    folds: Folds | Literal["given"],
     outlines: bool,
     uncalibrated: bool,
     marker_cm: float | None,
@@ -88,11 +91,13 @@ def evaluate_command(
 
     from foldrs.evaluation import Evaluation, load_scenes, print_tables, virtual_scenes, write_csv, write_json
     from foldrs.evaluation.virtual import PX_PER_CM
-    from foldrs.pipeline import check_scale, choose_templates
+    from foldrs.pipeline import check_folds, check_scale, choose_templates
 
     found: Scenes
     try:
         check_scale(px_per_cm)
+        if folds != "given":
+            check_folds(folds, method)
         chosen = choose_templates(templates or None, None)
         reference = reference_of(marker_cm, marker_family, a4)
         if protocol == "synthetic":
@@ -107,7 +112,17 @@ def evaluate_command(
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    evaluation = Evaluation(protocol, chosen, px_per_cm, method, outlines, not uncalibrated, reference, out)
+    evaluation = Evaluation(
+        protocol,
+        chosen,
+        px_per_cm,
+        method,
+        folds,
+        true_outlines=outlines,
+        calibrated=not uncalibrated,
+        reference=reference,
+        out=out,
+    )
     if report is None:
         rows = _run(evaluation, found, jobs)
     else:
@@ -118,7 +133,13 @@ def evaluate_command(
         if row.error:
             click.secho(f"{row.scene}: {row.error}", fg="red", err=True)
     if out is not None:
-        options = {"protocol": protocol, "method": method, "px_per_cm": px_per_cm, "true_outlines": outlines}
+        options = {
+            "protocol": protocol,
+            "method": method,
+            "folds": folds,
+            "px_per_cm": px_per_cm,
+            "true_outlines": outlines,
+        }
         options |= {"calibrated": not uncalibrated, "marker_cm": marker_cm, "a4": a4}
         if protocol == "synthetic":
             options |= {"count": count, "seed": seed}

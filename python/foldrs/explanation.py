@@ -1,4 +1,4 @@
-"""An explanation of an outline: a template, how it was changed, its fold axis, where it lies in the image."""
+"""An explanation of an outline: a template, how it was changed, its folds, where it lies in the image."""
 
 from __future__ import annotations
 
@@ -20,14 +20,16 @@ class Explanation:
 
     template: Template
     """The template as given."""
-    original_axis: Points
-    """(2, 2) axis found on it by the matching stage, template units."""
+    original_axis: Points | None
+    """(2, 2) axis found on it by the matching stage, template units; of several folds that of the first
+    made; None if there is no fold."""
     fitted: FittedTemplate
     """The fitted template with its axis; its outline has the vertices of the given one, moved."""
     to_image: Points
     """(2, 3) similarity from template units to image px; reflecting if the garment shows its other face."""
-    crease: Points
-    """(2, 2) px: the axis in the image. The flap was on its left (from x towards y) before it was turned."""
+    folds: tuple[Fold, ...]
+    """First made first; empty for a garment that lies unfolded. The flap was on a crease's left (from x
+    towards y) before it was turned."""
     cost: float
     """Cost of the method that made it; comparable within that method."""
     original_cost: float
@@ -38,13 +40,10 @@ class Explanation:
     """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie
     where `to_image` puts them."""
 
-    flap_on_top: bool | None = None
-    """Whether the flap lies on top of the kept part; None where the picture does not tell."""
-
     @property
     def accepted(self) -> bool:
-        """Whether the fold explains the outline better than the unfolded template."""
-        return self.cost < self.unfolded_cost
+        """Whether the folds explain the outline better than the unfolded template."""
+        return bool(self.folds) and self.cost < self.unfolded_cost
 
     @property
     def outline_image(self) -> Points:
@@ -52,18 +51,26 @@ class Explanation:
         return apply(self.to_image, self.fitted.outline) if self.placed is None else self.placed
 
     @property
-    def folds(self) -> bool:
-        """Whether the crease folds the template where it lies; a poor map may carry it off."""
+    def layers(self) -> _core.FoldedStack:
+        """The garment folded where it lies.
+
+        Raises
+        ------
+        ValueError
+            If a crease does not fold it; see `holds`.
+        """
+        creases = [fold.axis_image for fold in self.folds]
+        on_top = [fold.flap_on_top is not False for fold in self.folds]
+        return _core.fold_stack(self.outline_image, creases, on_top)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every crease folds the template where it lies; a poor map may carry it off."""
         try:
-            _core.fold_layers(self.outline_image, self.crease)
+            _ = self.layers
         except ValueError:
             return False
         return True
-
-    @property
-    def fold(self) -> Fold:
-        """The fold of this explanation."""
-        return Fold(self.crease, self.fitted.axis, self.flap_on_top)
 
 
 def apply(plane_map: Points, points: Points) -> Points:

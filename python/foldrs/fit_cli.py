@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from foldrs._camera_options import camera_options, known_of_table
-from foldrs._options import px_per_cm_option, report_option, rerun_option, template_option
+from foldrs._options import folds_option, px_per_cm_option, report_option, rerun_option, template_option
 from foldrs.errors import FoldrsError, GarmentCutOffWarning
 
 if TYPE_CHECKING:
-    from foldrs.pipeline import Folds
+    from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
     from foldrs.template import Template
 
@@ -104,29 +104,12 @@ class FitCommand(click.Command):
         return super().parse_args(ctx, [*read, *args[end:]])
 
 
-def _folds(context: click.Context, parameter: click.Parameter, value: str) -> Folds:
-    """Read N or auto."""
-    if value == "auto":
-        return "auto"
-    try:
-        return int(value)
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is neither a whole number nor 'auto'") from None
-
-
 @click.command("fit", cls=FitCommand)
 @click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="IMAGE...")
 @click.option("--type", "garment_type", metavar="KIND", help="Match templates of this kind only.")
 @template_option
 @px_per_cm_option
-@click.option(
-    "--folds",
-    default="1",
-    show_default=True,
-    metavar="N|auto",
-    callback=_folds,
-    help="Folds to undo; only one is supported so far.",
-)
+@folds_option(default="1", help="Folds to undo; auto: as many as explain more than their freedom costs.")
 @click.option("--method", type=click.Choice(["best", "paper"]), default="best", show_default=True)
 @click.option(
     "--mask", type=click.Path(path_type=Path), help="The garment's mask (image file) for a single IMAGE."
@@ -177,7 +160,7 @@ def fit_command(
         raise click.UsageError("--plot needs --out DIR to write to")
     try:
         check_scale(px_per_cm)
-        check_folds(folds)
+        check_folds(folds, method)
         chosen = choose_templates(templates or None, garment_type)
         known = known_of_table(placing, len(images))
         if out is not None:
@@ -270,9 +253,18 @@ def _reason(error: BaseException) -> str:
     return str(error) if isinstance(error, FoldrsError) else f"{type(error).__name__}: {error}"
 
 
+def _folds_told(result: FitResult) -> str:
+    if not result.folds:
+        return "not folded,"
+    if not result.accepted:
+        return "no fold found better than none,"
+    count = len(result.folds)
+    return "folded" if count == 1 else f"folded {count} times,"
+
+
 def _line(image: Path, result: FitResult) -> str:
     probability = result.alternatives[0].probability
-    fold = "folded" if result.accepted else "no fold found better than none,"
+    fold = _folds_told(result)
     pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
     found = f"{result.garment_type}, {fold} p = {probability:.2f}, grasp {pair}"
     return f"{image.name}: {found}, {result.seconds:.2f} s"

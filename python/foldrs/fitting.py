@@ -16,7 +16,7 @@ from foldrs.alternatives import alike
 from foldrs.explanation import Explanation, directed_crease
 from foldrs.landmark import carried
 from foldrs.parameters import AlternativeParameters, FittingParameters
-from foldrs.result import FittedTemplate
+from foldrs.result import FittedTemplate, Fold
 from foldrs.template import Template
 from foldrs.template_update import Points, TemplateUpdate, update_template
 
@@ -54,9 +54,10 @@ class IterativeFit:
         told = stage.explanation
         # Where the garment shows its other face, the registration's frame has x the other way round.
         way = np.array([-1.0 if np.linalg.det(told.to_image[:, :2]) < 0 else 1.0, 1.0])
-        crease = directed_crease(stage.update.fold.axis * way, told.fitted.axis, told.to_image)
-        placed = replace(told, placed=stage.update.corners * way, crease=crease)
-        return placed if placed.folds else told
+        (fold,) = told.folds
+        crease = directed_crease(stage.update.fold.axis * way, fold.axis_template, told.to_image)
+        placed = replace(told, placed=stage.update.corners * way, folds=(replace(fold, axis_image=crease),))
+        return placed if placed.holds else told
 
 
 def fit_iteratively(
@@ -94,7 +95,7 @@ def fit_iteratively(
     for course in courses:
         # The cheapest stage is placed by its registration: the last one has none yet.
         course[-1] = replace(course[-1], update=course[-1].update or iteration.update(course[-1]))
-    fits = [fit for fit in map(IterativeFit, map(tuple, courses)) if fit.explanation.folds]
+    fits = [fit for fit in map(IterativeFit, map(tuple, courses)) if fit.explanation.holds]
     return sorted(fits, key=lambda fit: fit.explanation.cost)  # stable: equals keep their order
 
 
@@ -168,7 +169,7 @@ class _Iteration:
                 outline, carried(template.landmarks, template.outline, outline), candidate.axis
             ),
             to_image=laid.to_seen,
-            crease=directed_crease(laid.crease, candidate.axis, laid.to_seen),
+            folds=(Fold(directed_crease(laid.crease, candidate.axis, laid.to_seen), candidate.axis),),
             cost=candidate.cost,
             original_cost=first.original_cost if first else candidate.cost,
             # The fold has to beat the template unfolded in any shape it took.
@@ -178,7 +179,12 @@ class _Iteration:
 
     def update(self, stage: FitStage) -> TemplateUpdate | None:
         """Make the next template of a stage; None if that cannot be done."""
-        fitted = stage.explanation.fitted
+        (fold,) = stage.explanation.folds
         return update_template(
-            fitted.outline, fitted.axis, stage.laid, self.seen.points, self.px_per_unit, self.parameters
+            stage.explanation.fitted.outline,
+            fold.axis_template,
+            stage.laid,
+            self.seen.points,
+            self.px_per_unit,
+            self.parameters,
         )

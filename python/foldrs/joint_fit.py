@@ -1,10 +1,10 @@
-"""The joint fit of template corners and crease (beyond the paper): the crate's results as explanations."""
+"""The joint fit of template corners and creases (beyond the paper): the crate's results as explanations."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -13,8 +13,11 @@ from foldrs.explanation import Explanation, Points
 from foldrs.landmark import carried
 from foldrs.parameters import Parameters
 from foldrs.picture import ColourEdges
-from foldrs.result import FittedTemplate
+from foldrs.result import FittedTemplate, Fold
 from foldrs.template import Template
+
+Folds: TypeAlias = int | Literal["auto"]
+"""How many folds to undo; ``"auto"``: as many as explain more than their freedom costs."""
 
 
 def fit_jointly(
@@ -22,36 +25,46 @@ def fit_jointly(
     templates: Sequence[Template],
     px_per_unit: float | None,
     edges: ColourEdges | None,
+    folds: Folds,
     parameters: Parameters,
 ) -> list[Explanation]:
-    """Fit every template jointly with its crease, from all claims about its axis; the best first."""
+    """Fit every template jointly with its creases, from all claims about its axis; the best first."""
     flexible = [flexible_template(t, asdict(parameters.matching)) for t in templates]
     outlines = [t.outline for t in templates]
-    fits, unfolded = _core.fit_jointly(
+    fits = _core.fit_jointly(
         seen,
         outlines,
         flexible,
+        parameters.alternatives.most_folds if folds == "auto" else folds,
+        folds == "auto",
         px_per_unit,
         None if edges is None else (edges.tensor, edges.scale, edges.steps),
     )
+    number = fits.enough if folds == "auto" else folds
+    sure = parameters.picture.sure
     return [
-        Explanation(
-            template=templates[fit.template],
-            original_axis=axis_on(templates[fit.template].outline, fit),
-            fitted=FittedTemplate(
-                fit.outline,
-                carried(templates[fit.template].landmarks, templates[fit.template].outline, fit.outline),
-                fit.axis,
-            ),
-            to_image=fit.to_seen,
-            crease=fit.crease,
-            cost=fit.surprise,
-            original_cost=fit.surprise,
-            unfolded_cost=unfolded,
-            flap_on_top=layer_on_top(fit.flap_on_top, parameters.picture.sure),
-        )
-        for fit in fits
+        explanation(templates[fit.template], fit, fits.surprise(0), sure) for fit in fits.explanations(number)
     ]
+
+
+def explanation(template: Template, fit: _core.JointExplanation, unfolded: float, sure: float) -> Explanation:
+    """Tell a joint fit as an explanation; `unfolded` is what explaining it without folds costs."""
+    # Which layer is on top has been looked for only where there are two.
+    on_top = layer_on_top(fit.flap_on_top, sure) if len(fit.axes) == 1 else None
+    return Explanation(
+        template=template,
+        original_axis=axis_on(template.outline, fit),
+        fitted=FittedTemplate(
+            fit.outline,
+            carried(template.landmarks, template.outline, fit.outline),
+            fit.axes[0] if fit.axes else None,
+        ),
+        to_image=fit.to_seen,
+        folds=tuple(Fold(crease, axis, on_top) for crease, axis in zip(fit.creases, fit.axes, strict=True)),
+        cost=fit.surprise,
+        original_cost=fit.surprise,
+        unfolded_cost=unfolded,
+    )
 
 
 def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _core.FlexibleTemplate:
@@ -62,9 +75,12 @@ def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _cor
     return _core.FlexibleTemplate(template.outline, one, other, parameters)
 
 
-def axis_on(outline: Points, fit: _core.JointExplanation) -> Points:
-    """Carry the fitted axis to the template as given: its ends at the same shares of the same edges."""
-    ends = carried({"first": fit.axis[0], "last": fit.axis[1]}, fit.outline, outline)
+def axis_on(outline: Points, fit: _core.JointExplanation) -> Points | None:
+    """Carry the first fitted axis to the template as given: its ends at the same shares of the same edges."""
+    if not fit.axes:
+        return None
+    first, last = fit.axes[0]
+    ends = carried({"first": first, "last": last}, fit.outline, outline)
     return np.array([ends["first"], ends["last"]])
 
 

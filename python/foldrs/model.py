@@ -1,13 +1,14 @@
 """Stage 6, the polygon model of the folded garment and its grasp points (section 3).
 
-The model is the fitted template's polygon in the image with the crease (eq. 3 and 4). Folding it says which
-landmarks lie on the flap, where the layers overlap, and which landmarks a gripper can reach.
+The model is the fitted template's polygon in the image with the creases (eq. 3 and 4). Folding it says which
+landmarks were turned over, where the layers overlap, and which landmarks a gripper can reach. It holds for
+any number of folds; without any the garment lies in one layer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,8 +31,8 @@ class FoldedModel:
     px_per_unit: float
     """Scale of the picture: px a template unit."""
     parameters: GraspParameters
-    seen_outline: Points
-    """(n, 2) px: the outline seen in the image."""
+    seen_outline: Points | None
+    """(n, 2) px: the outline seen in the image; None if it has not been seen."""
 
     @cached_property
     def unfolded_outline(self) -> Points:
@@ -39,9 +40,9 @@ class FoldedModel:
         return self.explanation.outline_image
 
     @cached_property
-    def layers(self) -> _core.FoldedLayers:
+    def layers(self) -> _core.FoldedStack:
         """The layers of the folded model."""
-        return _core.fold_layers(self.unfolded_outline, self.explanation.crease)
+        return self.explanation.layers
 
     @cached_property
     def landmarks(self) -> Mapping[str, LandmarkInImage]:
@@ -53,20 +54,20 @@ class FoldedModel:
         marks = carried(fitted.landmarks, fitted.outline, self.unfolded_outline)
         names, unfolded = list(marks), np.array(list(marks.values()))
         _, _, arc = _core.nearest_on_outline(self.unfolded_outline, unfolded)
-        turned = self.layers.is_turned(arc)
-        now = np.where(turned[:, None], _core.reflect(unfolded, self.explanation.crease), unfolded)
+        now = self.layers.place(unfolded, arc)
         _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, now)
         clear = self.layers.distance_to_double_layer(now) > self.parameters.clearance * self.px_per_unit
         visible = off_outline <= self.parameters.on_outline * self.px_per_unit
-        now = np.where(visible[:, None], self._on_seen_outline(now), now)
+        if self.seen_outline is not None:
+            now = np.where(visible[:, None], self._onto(self.seen_outline, now), now)
         return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, clear & visible, strict=True)}
 
-    def _on_seen_outline(self, points: Points) -> Points:
+    def _onto(self, seen: Points, points: Points) -> Points:
         """Points of the model's outline moved onto the seen one: to a corner near by, else straight to it."""
-        unit = float(np.sqrt(abs(_core.signed_area(self.seen_outline))))
-        corners = _core.simplify(self.seen_outline, self.parameters.corner_tolerance * unit)
+        unit = float(np.sqrt(abs(_core.signed_area(seen))))
+        corners = _core.simplify(seen, self.parameters.corner_tolerance * unit)
         apart = np.linalg.norm(points[:, None] - corners[None], axis=2)
-        nearest, distance, _ = _core.nearest_on_outline(self.seen_outline, points)
+        nearest, distance, _ = _core.nearest_on_outline(seen, points)
         limit = self.parameters.snap * self.px_per_unit
         onto = np.where((distance <= limit)[:, None], nearest, points)
         at_corner = apart.min(axis=1) <= self.parameters.snap_corner * self.px_per_unit
@@ -83,23 +84,36 @@ class FoldedModel:
         )
 
     @cached_property
-    def unfolding(self) -> UnfoldingAction:
-        """Undoing the fold: every point picked goes to its mirror image over the crease."""
+    def unfolding(self) -> UnfoldingAction | None:
+        """Undoing the last fold: what is picked goes to its mirror image over the crease; None without."""
+        if not self.explanation.folds:
+            return None
+        crease = self.explanation.folds[-1].axis_image
         pair = self.grasp_pairs[0].landmarks if self.grasp_pairs else None
         reachable = [name for name, mark in self.landmarks.items() if mark.accessible]
-        farthest = max(reachable, key=self._reach, default=None)
+        farthest = max(reachable, key=lambda name: self._reach(name, crease), default=None)
         return UnfoldingAction(
-            two_arms=None if pair is None else (self._move(pair[0]), self._move(pair[1])),
-            one_arm=None if farthest is None else self._move(farthest),
+            two_arms=None if pair is None else (self._move(pair[0], crease), self._move(pair[1], crease)),
+            one_arm=None if farthest is None else self._move(farthest, crease),
         )
 
-    def _move(self, name: str) -> GraspMove:
+    @cached_property
+    def unfolding_plan(self) -> tuple[UnfoldingAction, ...]:
+        """Undoing all folds, the last made first; each action as the garment then lies."""
+        if self.unfolding is None:
+            return ()
+        earlier = replace(self.explanation, folds=self.explanation.folds[:-1])
+        # What a fold hid has not been seen: there the model has to do.
+        then = replace(self, explanation=earlier, seen_outline=None)
+        return (self.unfolding, *then.unfolding_plan)
+
+    def _move(self, name: str, crease: Points) -> GraspMove:
         pick = self.landmarks[name].image
-        place = _core.reflect(pick[None], self.explanation.crease)[0]
+        place = _core.reflect(pick[None], crease)[0]
         clearance = float(self.layers.distance_to_double_layer(pick[None])[0]) / self.px_per_unit
         return GraspMove(name, pick, place, clearance)
 
-    def _reach(self, name: str) -> float:
+    def _reach(self, name: str, crease: Points) -> float:
         """Distance of a landmark from the crease's line, px."""
         pick = self.landmarks[name].image
-        return float(np.linalg.norm(_core.reflect(pick[None], self.explanation.crease)[0] - pick)) / 2.0
+        return float(np.linalg.norm(_core.reflect(pick[None], crease)[0] - pick)) / 2.0

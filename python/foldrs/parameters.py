@@ -207,6 +207,17 @@ class JointFitParameters:
     """Spread of the crease's shift from its side: a few millimetres."""
     skew: float = 0.03
     """Radians: spread of the crease's turn from its side."""
+    earlier_shift: float = 1.0
+    """As `shift`, of the crease of a fold that others follow: they leave less of it to be seen."""
+    earlier_skew: float = 0.1
+    """Radians: as `skew`, likewise."""
+    first_fold: float = 11.0
+    """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
+    folded, a fold near a hem still takes up what the template's shape does not explain. Some nine in ten
+    almost flat garments gain less, as many folded ones more."""
+    further_fold: float = 4.0
+    """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded
+    once are taken for folded twice as the other way round."""
     noise: float = 0.8
     """Expected distance of the seen outline from the model's straight edges: curved hems, soft cloth."""
     tail: float = 3.0
@@ -451,6 +462,8 @@ class AlternativeParameters:
     """Area between two creases, as a share of the garment's area, up to which they agree."""
     temperature: float = 0.03
     """Difference of matching cost at which an explanation is 1/e times as probable."""
+    most_folds: int = 3
+    """At most this many folds are tried where their number is to be found."""
     nats: float = 3.0
     """The same for the joint fit's evidence. It counts every few centimetres of outline as an observation of
     its own, but where a template is wrong it is wrong all along an edge: over 360 folds of real outlines

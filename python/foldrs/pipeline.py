@@ -19,7 +19,7 @@ from foldrs.camera import Camera, Pose, TablePlane
 from foldrs.errors import NoHypothesisError, ParameterError
 from foldrs.explanation import Explanation
 from foldrs.fitting import fit_iteratively
-from foldrs.joint_fit import fit_jointly
+from foldrs.joint_fit import Folds, fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import GraspParameters, Parameters
@@ -32,7 +32,9 @@ from foldrs.template import Template, builtin_templates, load_template
 
 Source: TypeAlias = str | os.PathLike[str] | ArrayLike
 Method: TypeAlias = Literal["best", "paper"]
-Folds: TypeAlias = int | Literal["auto"]
+MOST_FOLDS = 4
+"""More folds than this leave too little of a garment's outline to tell them by."""
+
 TemplateLike: TypeAlias = Template | str | os.PathLike[str]
 
 
@@ -64,7 +66,8 @@ def fit(
     px_per_cm : float, optional
         Known scale, px a template unit. Without it the scale is found.
     folds : int or "auto"
-        How many folds to undo. Only one is supported so far.
+        How many folds to undo; "auto": as many as explain more than their freedom costs, none for a garment
+        that lies flat. The published method undoes one.
     method : {"best", "paper"}
         The published method, or whatever is most accurate.
     mask : path or (h, w) array, optional
@@ -109,8 +112,8 @@ def fit(
     start = time.perf_counter()
     parameters = parameters or Parameters()
     check_scale(px_per_cm)
-    check_folds(folds)
     check_method(method)
+    check_folds(folds, method)
     chosen = choose_templates(templates, garment_type)
 
     ground = survey(
@@ -141,15 +144,15 @@ def fit(
         edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
         if edges is not None and sight.heights is not None:
             edges = with_heights(edges, sight.heights, parameters.depth.step_blur)
-        explanations = fit_jointly(seen, chosen, px_per_cm, edges, parameters)
+        explanations = fit_jointly(seen, chosen, px_per_cm, edges, folds, parameters)
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp
-    if not explanations:
+    best = distinct(explanations, parameters.alternatives)
+    if not best:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "
             "check the scale (px_per_cm) and that the templates are of the garment's kind"
         )
-    best = distinct(explanations, parameters.alternatives)
     matched = time.perf_counter()
 
     result = result_of(
@@ -188,7 +191,7 @@ def result_of(
         matching_cost=best.cost,
         original_matching_cost=best.original_cost,
         outline_image=outline,
-        folds=(best.fold,),
+        folds=best.folds,
         original_template=FittedTemplate(
             best.template.outline, dict(best.template.landmarks), best.original_axis
         ),
@@ -197,6 +200,7 @@ def result_of(
         landmarks=model.landmarks,
         grasp_pairs=model.grasp_pairs,
         unfolding=model.unfolding,
+        unfolding_plan=model.unfolding_plan,
         alternatives=with_probabilities(explanations, temperature),
         image=image,
         seconds=time.perf_counter() - start,
@@ -224,10 +228,13 @@ def check_scale(px_per_cm: float | None) -> None:
         raise ParameterError(f"px_per_cm must be a positive number of pixels a centimetre, not {px_per_cm}")
 
 
-def check_folds(folds: Folds) -> None:
-    """Raise ParameterError unless the number of folds is one that is supported."""
-    if folds != 1:
-        raise ParameterError(f"only one fold is supported so far, not {folds}: leave folds out or pass 1")
+def check_folds(folds: Folds, method: Method) -> None:
+    """Raise ParameterError unless so many folds can be undone by the method."""
+    if folds == "auto" or (isinstance(folds, int) and 0 <= folds <= MOST_FOLDS):
+        if method == "paper" and folds != 1:
+            raise ParameterError(f"the published method undoes one fold, not {folds}: use method 'best'")
+        return
+    raise ParameterError(f"folds must be a whole number from 0 to {MOST_FOLDS} or 'auto', not {folds!r}")
 
 
 def check_method(method: str) -> None:

@@ -164,9 +164,7 @@ def _draw_heading(figure: Figure, result: FitResult, details: MatchingDetails) -
         title += f"   {_percent(result.alternatives[0].probability)}"
     figure.text(0.012, 0.972, title, fontsize=22, weight="bold", va="center", parse_math=False)
     ink, paper = ("white", "black") if result.accepted else ("black", "white")
-    verdict = "fold accepted: it explains the outline better than no fold"
-    if not result.accepted:
-        verdict = "fold NOT accepted: none explains the outline better than no fold"
+    verdict = _verdict(result)
     badge = {"boxstyle": "round,pad=0.4", "facecolor": paper, "edgecolor": "black"}
     figure.text(0.30, 0.972, verdict, fontsize=13, va="center", color=ink, bbox=badge)
     numbers = f"matching cost {result.matching_cost:.3f}"
@@ -185,6 +183,16 @@ def _draw_heading(figure: Figure, result: FitResult, details: MatchingDetails) -
         handlelength=1.6,
         columnspacing=1.0,
     )
+
+
+def _verdict(result: FitResult) -> str:
+    if not result.folds:
+        return "not folded: no fold explains the outline better"
+    if not result.accepted:
+        return "fold NOT accepted: none explains the outline better than no fold"
+    if len(result.folds) == 1:
+        return "fold accepted: it explains the outline better than no fold"
+    return f"{len(result.folds)} folds accepted: they explain the outline better than none"
 
 
 def _percent(probability: float) -> str:

@@ -48,24 +48,31 @@ os.umask(_UMASK)
 
 @dataclass(frozen=True, eq=False)
 class FittedTemplate:
-    """A template with the fold axis on it, in template units."""
+    """A template with its fold axis on it, in template units."""
 
     outline: Points
     """(n, 2) corners."""
     landmarks: Mapping[str, Points]
     """Named points of the outline, (2,) each."""
-    axis: Points
-    """(2, 2) end points of the fold axis; the part on its left (from x towards y) is the flap."""
+    axis: Points | None
+    """(2, 2) end points of the fold axis, of several folds that of the first made; the part on its left
+    (from x towards y) is the flap. None if there is no fold."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """One fold: the crease in the image and the axis on the fitted template."""
+    """One fold: the crease in the image and the axis on the fitted template.
+
+     Both lie where the fold was made, in the frame of the part of the garment that no fold turned over: the
+     garment unfolded again where it lies, and folded over all creases in their order, is what is seen. Of the
+     last fold that is the crease seen; an earlier one may have been turned over since, in part or whole
+    .
+    """
 
     axis_image: Points
     """(2, 2) px."""
     axis_template: Points
-    """(2, 2) template units."""
+    """(2, 2) template units; of a later fold it runs over the template folded by the earlier ones."""
     flap_on_top: bool | None = None
     """Whether the flap lies on top of the kept part; None where it cannot be told."""
 
@@ -104,7 +111,7 @@ class GraspMove:
 
 @dataclass(frozen=True, eq=False)
 class UnfoldingAction:
-    """How to undo the last fold: with two arms, and with one."""
+    """How to undo one fold: with two arms, and with one."""
 
     two_arms: tuple[GraspMove, GraspMove] | None
     """The moves of the best grasp pair; None if no pair is accessible."""
@@ -119,10 +126,16 @@ class Alternative:
 
     garment_type: str
     probability: float
-    fold: Fold
+    folds: tuple[Fold, ...]
+    """First made first; empty for a garment that lies unfolded."""
     template: FittedTemplate
     unfolded_outline_image: Points
     """(n, 2) px: the garment unfolded again where it lies, as this explanation has it."""
+
+    @property
+    def fold(self) -> Fold | None:
+        """The last fold made; None without any."""
+        return self.folds[-1] if self.folds else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +161,13 @@ class FitResult:
 
     garment_type: str
     accepted: bool
-    """Whether the fold explains the outline better than the unfolded template does."""
+    """Whether the folds explain the outline better than the unfolded template does; False without a fold."""
     matching_cost: float
     original_matching_cost: float
     """Matching cost of the template as given (MC_m of eq. 5); `matching_cost` is that of the fitted one."""
     outline_image: Points
     folds: tuple[Fold, ...]
-    """First made first."""
+    """First made first; empty for a garment that lies unfolded."""
     original_template: FittedTemplate
     template: FittedTemplate
     unfolded_outline_image: Points
@@ -162,8 +175,10 @@ class FitResult:
     landmarks: Mapping[str, LandmarkInImage]
     grasp_pairs: tuple[GraspPair, ...]
     """Accessible pairs, best first."""
-    unfolding: UnfoldingAction
-    """How to undo the last fold."""
+    unfolding: UnfoldingAction | None
+    """How to undo the last fold; None if there is none."""
+    unfolding_plan: tuple[UnfoldingAction, ...]
+    """How to undo all folds, one after the other, the last made first."""
     alternatives: tuple[Alternative, ...]
     """Distinct explanations, the chosen one first; probabilities sum to at most 1."""
     image: str = ""
@@ -186,9 +201,9 @@ class FitResult:
     """The same in the robot's base, in metres, if it is given."""
 
     @property
-    def fold(self) -> Fold:
-        """The last fold made."""
-        return self.folds[-1]
+    def fold(self) -> Fold | None:
+        """The last fold made; None if the garment lies unfolded."""
+        return self.folds[-1] if self.folds else None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain numbers, lists and dictionaries: the JSON form."""
@@ -206,15 +221,8 @@ class FitResult:
             "matching_cost": self.matching_cost,
             "original_matching_cost": self.original_matching_cost,
             "outline_image": _plain(self.outline_image),
-            "fold": {"axis_image": _plain(self.fold.axis_image)},
-            "folds": [
-                {
-                    "axis_image": _plain(f.axis_image),
-                    "axis_template": _plain(f.axis_template),
-                    "flap_on_top": f.flap_on_top,
-                }
-                for f in self.folds
-            ],
+            "fold": _crease(self.fold),
+            "folds": [_fold(fold) for fold in self.folds],
             "original_template": _template(self.original_template),
             "template": _template(self.template),
             "unfolded_outline_image": _plain(self.unfolded_outline_image),
@@ -225,17 +233,14 @@ class FitResult:
             "grasp_pairs": [
                 {"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs
             ],
-            "unfolding": {
-                "two_arms": None
-                if self.unfolding.two_arms is None
-                else [move_to_dict(move) for move in self.unfolding.two_arms],
-                "one_arm": None if self.unfolding.one_arm is None else move_to_dict(self.unfolding.one_arm),
-            },
+            "unfolding": None if self.unfolding is None else action_to_dict(self.unfolding),
+            "unfolding_plan": [action_to_dict(action) for action in self.unfolding_plan],
             "alternatives": [
                 {
                     "garment_type": a.garment_type,
                     "probability": a.probability,
-                    "fold": {"axis_image": _plain(a.fold.axis_image)},
+                    "fold": _crease(a.fold),
+                    "folds": [_fold(fold) for fold in a.folds],
                     "template": _template(a.template),
                     "unfolded_outline_image": _plain(a.unfolded_outline_image),
                 }
@@ -276,8 +281,28 @@ def _plain(points: Points, digits: int = 4) -> list[Any]:
     return rounded
 
 
-def move_to_dict(move: GraspMove, digits: int = 4) -> dict[str, Any]:
-    """Return a move in the JSON form, points rounded to so many decimals."""
+def _crease(fold: Fold | None) -> dict[str, Any] | None:
+    return None if fold is None else {"axis_image": _plain(fold.axis_image)}
+
+
+def _fold(fold: Fold) -> dict[str, Any]:
+    return {
+        "axis_image": _plain(fold.axis_image),
+        "axis_template": _plain(fold.axis_template),
+        "flap_on_top": fold.flap_on_top,
+    }
+
+
+def action_to_dict(action: UnfoldingAction, digits: int = 4) -> dict[str, Any]:
+    """Return an unfolding action in the JSON form, points rounded to so many decimals."""
+    both, one = action.two_arms, action.one_arm
+    return {
+        "two_arms": None if both is None else [_move(move, digits) for move in both],
+        "one_arm": None if one is None else _move(one, digits),
+    }
+
+
+def _move(move: GraspMove, digits: int) -> dict[str, Any]:
     return {
         "landmark": move.landmark,
         "pick": _plain(move.pick, digits),
@@ -290,5 +315,5 @@ def _template(template: FittedTemplate) -> dict[str, Any]:
     return {
         "outline": _plain(template.outline),
         "landmarks": {name: _plain(point) for name, point in template.landmarks.items()},
-        "axis": _plain(template.axis),
+        "axis": None if template.axis is None else _plain(template.axis),
     }

@@ -60,6 +60,8 @@ class FittingPass:
     """(m,) PC: index into `seen` of the point that corresponds to each folded one; -1 for none."""
     to_image: Points
     """(2, 3) similarity of the folded template onto the seen outline; reflects for the other face."""
+    axis: Points
+    """(2, 2) template units: FAxis once more."""
     crease: Points
     """(2, 2) px: the axis on the seen outline."""
     cost: float
@@ -98,6 +100,7 @@ def chosen_pass(passes: Sequence[FittingPass]) -> int:
 
 def _fitting_pass(stage: FitStage, seen: Points) -> FittingPass:
     explanation, laid = stage.explanation, stage.laid
+    (fold,) = explanation.folds
     return FittingPass(
         seen=seen,
         garment_type=explanation.template.garment_type,
@@ -105,7 +108,8 @@ def _fitting_pass(stage: FitStage, seen: Points) -> FittingPass:
         folded=laid.folded,
         partner=laid.partner,
         to_image=laid.to_seen,
-        crease=explanation.crease,
+        axis=fold.axis_template,
+        crease=fold.axis_image,
         cost=explanation.cost,
         update=None if stage.update is None else _update_pass(stage.update, laid),
     )

@@ -2,7 +2,7 @@
 
 use crate::convert::{array, outline, points};
 use crate::matching::{map_array, PySeen};
-use foldrs::fit::{explain_jointly, FlexibleTemplate, JointExplanation, Picture};
+use foldrs::fit::{explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, Picture};
 use foldrs::matching::claim_axes;
 use foldrs::{Outline, Point};
 use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3};
@@ -53,13 +53,13 @@ impl PyJointExplanation {
     }
 
     #[getter]
-    fn axis<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.0.axis)
+    fn axes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        self.0.axes.iter().map(|axis| array(py, axis)).collect()
     }
 
     #[getter]
-    fn crease<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        array(py, &self.0.crease)
+    fn creases<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        self.0.creases.iter().map(|crease| array(py, crease)).collect()
     }
 
     #[getter]
@@ -91,39 +91,70 @@ type Edges<'py> = (
     Option<PyReadonlyArray3<'py, f32>>,
 );
 
+/// The joint fits for every number of folds tried.
+#[pyclass(frozen, module = "foldrs._core", name = "JointFits")]
+pub(crate) struct PyJointFits(JointFits);
+
+#[pymethods]
+impl PyJointFits {
+    #[getter]
+    fn most(&self) -> usize {
+        self.0.by_folds.len().saturating_sub(1)
+    }
+
+    #[getter]
+    fn enough(&self) -> usize {
+        self.0.enough()
+    }
+
+    fn surprise(&self, folds: usize) -> f64 {
+        self.0.surprise(folds)
+    }
+
+    fn explanations(&self, folds: usize) -> Vec<PyJointExplanation> {
+        let found = self.0.by_folds.get(folds).into_iter().flatten();
+        found.cloned().map(PyJointExplanation).collect()
+    }
+}
+
 /// Claims about the fold axis, without testing them, and the joint fits they lead to; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, outlines, templates, scale=None, picture=None))]
+#[pyo3(signature = (seen, outlines, templates, folds, up_to=false, scale=None, picture=None))]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn fit_jointly(
     py: Python<'_>,
     seen: &PySeen,
     outlines: Vec<PyReadonlyArray2<'_, f64>>,
     templates: Vec<PyRef<'_, PyFlexibleTemplate>>,
+    folds: usize,
+    up_to: bool,
     scale: Option<f64>,
     picture: Option<Edges<'_>>,
-) -> PyResult<(Vec<PyJointExplanation>, f64)> {
+) -> PyResult<PyJointFits> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
     let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
     let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
     let picture = picture.as_ref().map(prepared).transpose()?;
+    let folds = if up_to {
+        FoldCount::UpTo(folds)
+    } else {
+        FoldCount::Exactly(folds)
+    };
     let fits = py.detach(|| {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
-        let fits = explain_jointly(
+        explain_jointly(
             &seen.seen,
             &templates,
             &claims,
             scale,
             picture.as_ref(),
+            folds,
             &seen.parameters,
-        );
-        (
-            fits.folds.into_iter().map(PyJointExplanation).collect(),
-            fits.unfolded,
         )
     });
-    Ok(fits)
+    Ok(PyJointFits(fits))
 }
 
 /// The picture of structure tensors.

@@ -10,6 +10,7 @@ mod model;
 mod outline;
 mod partial_match;
 mod shape_context;
+mod stack;
 mod threads;
 
 use pyo3::prelude::*;
@@ -19,7 +20,7 @@ mod _core {
     #[pymodule_export]
     use super::alignment::{align, alignment_costs};
     #[pymodule_export]
-    use super::fit::{fit_jointly, PyFlexibleTemplate, PyJointExplanation};
+    use super::fit::{fit_jointly, PyFlexibleTemplate, PyJointExplanation, PyJointFits};
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]
@@ -36,6 +37,8 @@ mod _core {
     use super::partial_match::{partial_matches, piece_difference};
     #[pymodule_export]
     use super::shape_context::{matching_costs, shape_contexts};
+    #[pymodule_export]
+    use super::stack::{fold_stack, PyFoldedStack};
     #[pymodule_export]
     use super::threads::set_threads;
 

@@ -98,7 +98,11 @@ impl Axis {
     /// # Errors
     /// [`FoldError::Tangled`] if the crossings do not pair up, which only a self-crossing outline causes.
     pub fn chords(&self, outline: &Outline) -> Result<Vec<Chord>, FoldError> {
-        let points = outline.points();
+        self.chords_of(outline.points(), outline.signed_area() > 0.0)
+    }
+
+    /// As [`Axis::chords`], of a closed ring that may hold repeated points, wound positively or not.
+    pub(crate) fn chords_of(&self, points: &[Point], positive: bool) -> Result<Vec<Chord>, FoldError> {
         let n = points.len();
         let side: Vec<f64> = points.iter().map(|p| self.side(p)).collect();
         let mut crossings: Vec<Crossing> = (0..n)
@@ -107,7 +111,7 @@ impl Axis {
                 if (s >= 0.0) == (t >= 0.0) {
                     return None;
                 }
-                let [a, b] = outline.edge(edge);
+                let (a, b) = (points[edge], points[(edge + 1) % n]);
                 let position = self.position(&(a + (b - a) * (s / (s - t))));
                 Some(Crossing {
                     position,
@@ -117,7 +121,7 @@ impl Axis {
             })
             .collect();
         crossings.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.edge.cmp(&b.edge)));
-        alternate(&mut crossings, outline.signed_area() < 0.0)?;
+        alternate(&mut crossings, !positive)?;
         Ok(crossings
             .chunks_exact(2)
             .map(|c| Chord { ends: [c[0], c[1]] })

@@ -15,7 +15,7 @@ use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::segm::boolean::ShapeCountBoolean;
 
 /// A chord is creased if at least this share of it lies on the axis segment.
-const COVERED: f64 = 0.5;
+pub(crate) const COVERED: f64 = 0.5;
 
 /// Which layer a piece of the folded outline belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -17,6 +17,7 @@ pub mod partial_match;
 pub mod prelude;
 pub mod registration;
 pub mod shape_context;
+pub mod stack;
 
 mod parallel;
 

@@ -22,6 +22,44 @@ impl Region {
         overlay(&rings(&folded.kept), &rings(&folded.flap), OverlayRule::Intersect)
     }
 
+    /// What any of some rings covers.
+    #[must_use]
+    pub fn union(rings: &[Vec<Point>]) -> Self {
+        // One by one: rings that run opposite ways would cancel out where they overlap.
+        let mut covered = Self::default();
+        for one in rings {
+            covered = overlay(&covered.plain(), &vec![ring(one)], OverlayRule::Union);
+        }
+        covered
+    }
+
+    /// What two or more of some rings cover.
+    #[must_use]
+    pub fn doubled(rings: &[Vec<Point>]) -> Self {
+        let (mut covered, mut doubled) = (Vec::new(), Vec::new());
+        for one in rings {
+            let one = vec![ring(one)];
+            let again = overlay(&covered, &one, OverlayRule::Intersect).plain();
+            doubled = overlay(&doubled, &again, OverlayRule::Union).plain();
+            covered = overlay(&covered, &one, OverlayRule::Union).plain();
+        }
+        overlay(&doubled, &Vec::new(), OverlayRule::Union)
+    }
+
+    /// The ring that encloses most, if there is one.
+    #[must_use]
+    pub fn largest(&self) -> Option<Vec<Point>> {
+        let area = |r: &Vec<Point>| crate::outline::signed_area(r).abs();
+        self.rings
+            .iter()
+            .max_by(|a, b| area(a).total_cmp(&area(b)))
+            .cloned()
+    }
+
+    fn plain(&self) -> Vec<Vec<[f64; 2]>> {
+        self.rings.iter().map(|r| ring(r)).collect()
+    }
+
     /// Area of the region.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -58,9 +96,8 @@ impl Region {
 /// Share of the union of two outlines that both cover: 1 for equal ones, 0 for disjoint ones.
 #[must_use]
 pub fn intersection_over_union(a: &Outline, b: &Outline) -> f64 {
-    let ring = |o: &Outline| vec![o.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()];
-    let common = overlay(&ring(a), &ring(b), OverlayRule::Intersect).area();
-    common / overlay(&ring(a), &ring(b), OverlayRule::Union).area()
+    let (a, b) = (vec![ring(a.points())], vec![ring(b.points())]);
+    overlay(&a, &b, OverlayRule::Intersect).area() / overlay(&a, &b, OverlayRule::Union).area()
 }
 
 /// Area between two axes: of the convex hull of their four end points (the paper's measure dA times the area).
@@ -75,10 +112,11 @@ pub fn axis_difference(a: &Segment, b: &Segment) -> f64 {
 }
 
 fn rings(pieces: &[Piece]) -> Vec<Vec<[f64; 2]>> {
-    pieces
-        .iter()
-        .map(|p| p.points.iter().map(|p| [p.x, p.y]).collect())
-        .collect()
+    pieces.iter().map(|p| ring(&p.points)).collect()
+}
+
+fn ring(points: &[Point]) -> Vec<[f64; 2]> {
+    points.iter().map(|p| [p.x, p.y]).collect()
 }
 
 fn overlay(a: &Vec<Vec<[f64; 2]>>, b: &Vec<Vec<[f64; 2]>>, rule: OverlayRule) -> Region {

@@ -185,6 +185,15 @@ pub struct FitParameters {
     pub shift: f64,
     /// Spread of the crease's turn from its side, in radians.
     pub skew: f64,
+    /// The same two of the crease of a fold that others follow: they leave less of it to be seen.
+    pub earlier_shift: f64,
+    /// In radians.
+    pub earlier_skew: f64,
+    /// Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is folded, a
+    /// fold near a hem still takes up what the template's shape does not explain.
+    pub first_fold: f64,
+    /// Nats each further fold must gain: most of that has then been taken up.
+    pub further_fold: f64,
     /// Distance of the seen outline from the model's straight edges to be expected: curved hems, soft cloth.
     pub noise: f64,
     /// Distances beyond this multiple of the noise count less and less.
@@ -236,6 +245,10 @@ impl Default for FitParameters {
             offset: 50.0,
             shift: 0.5,
             skew: 0.03,
+            earlier_shift: 1.0,
+            earlier_skew: 0.1,
+            first_fold: 11.0,
+            further_fold: 4.0,
             noise: 0.8,
             tail: 3.0,
             correlation: 5.0,

@@ -1,5 +1,6 @@
 //! Parameters, outlines and results are written and read back as they were.
 
+use foldrs::fit::FoldCount;
 use foldrs::prelude::*;
 use serde_json::{from_str, to_string};
 
@@ -59,8 +60,16 @@ fn results_are_read_back_as_they_were() {
 
     let claims = claim_axes(&seen, std::slice::from_ref(&sheet), Some(1.0), &parameters);
     let flexible = FlexibleTemplate::new(&sheet, &[], &parameters.fit);
-    let fits = explain_jointly(&seen, &[flexible], &claims, Some(1.0), None, &parameters);
-    assert!(!fits.folds.is_empty());
+    let fits = explain_jointly(
+        &seen,
+        &[flexible],
+        &claims,
+        Some(1.0),
+        None,
+        FoldCount::Exactly(1),
+        &parameters,
+    );
+    assert!(!fits.by_folds[1].is_empty());
     let again: JointFits = from_str(&to_string(&fits).unwrap()).unwrap();
     assert_eq!(format!("{again:?}"), format!("{fits:?}"));
 }

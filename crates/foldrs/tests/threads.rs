@@ -1,6 +1,6 @@
 //! The result of matching and fitting is the same on any number of threads, to the last bit.
 
-use foldrs::fit::{explain_jointly, FlexibleTemplate};
+use foldrs::fit::{explain_jointly, FlexibleTemplate, FoldCount};
 use foldrs::matching::{claim_axes, Seen};
 use foldrs::{fold, match_folded, Outline, Parameters, Point};
 
@@ -37,8 +37,16 @@ fn told(parameters: &Parameters) -> (String, usize, usize) {
         .map(|t| FlexibleTemplate::new(t, &[], &parameters.fit));
     let claims = claim_axes(&seen, &templates, Some(1.0), parameters);
     let matching = match_folded(&seen, &templates, Some(1.0), parameters);
-    let fits = explain_jointly(&seen, &flexible, &claims, Some(1.0), None, parameters);
-    let counts = (matching.candidates.len(), fits.folds.len());
+    let fits = explain_jointly(
+        &seen,
+        &flexible,
+        &claims,
+        Some(1.0),
+        None,
+        FoldCount::Exactly(2),
+        parameters,
+    );
+    let counts = (matching.candidates.len(), fits.by_folds[2].len());
     (format!("{claims:?} {matching:?} {fits:?}"), counts.0, counts.1)
 }
 

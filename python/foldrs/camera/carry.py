@@ -60,11 +60,12 @@ def carried_back(
             for (name, mark), point in zip(flat.landmarks.items(), marks, strict=True)
         },
         grasp_pairs=tuple(replace(pair, image=carry(pair.image)) for pair in flat.grasp_pairs),
-        unfolding=carried_unfolding(flat.unfolding, carry),
+        unfolding=None if flat.unfolding is None else carried_unfolding(flat.unfolding, carry),
+        unfolding_plan=tuple(carried_unfolding(action, carry) for action in flat.unfolding_plan),
         alternatives=tuple(
             replace(
                 other,
-                fold=moved(other.fold),
+                folds=tuple(moved(fold) for fold in other.folds),
                 unfolded_outline_image=carry(other.unfolded_outline_image),
             )
             for other in flat.alternatives

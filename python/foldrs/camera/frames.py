@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.result import FitResult, GraspMove, UnfoldingAction, move_to_dict
+from foldrs.result import FitResult, GraspMove, UnfoldingAction, action_to_dict
 
 Points = npt.NDArray[np.float64]
 
@@ -42,8 +42,13 @@ class ResultInFrame:
     """(d,) each."""
     grasp_pairs: tuple[PairInFrame, ...]
     """Accessible pairs, best first."""
-    unfolding: UnfoldingAction
-    """How to undo the last fold; `clearance` stays in template units."""
+    unfolding_plan: tuple[UnfoldingAction, ...]
+    """How to undo all folds, the last made first; `clearance` stays in template units."""
+
+    @property
+    def unfolding(self) -> UnfoldingAction | None:
+        """How to undo the last fold; None if there is none."""
+        return self.unfolding_plan[0] if self.unfolding_plan else None
 
     @classmethod
     def of(cls, result: FitResult, units: str, carry: Callable[[Points], Points]) -> ResultInFrame:
@@ -56,13 +61,12 @@ class ResultInFrame:
             unfolded_outline=carry(result.unfolded_outline_image),
             landmarks=dict(zip(result.landmarks, carry(marks), strict=True)),
             grasp_pairs=tuple(PairInFrame(pair.landmarks, carry(pair.image)) for pair in result.grasp_pairs),
-            unfolding=carried_unfolding(result.unfolding, carry),
+            unfolding_plan=tuple(carried_unfolding(action, carry) for action in result.unfolding_plan),
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers, lists and dictionaries: the JSON form."""
         digits = _DIGITS[self.units]
-        both, one = self.unfolding.two_arms, self.unfolding.one_arm
 
         def plain(points: Points) -> Any:
             return np.round(points, digits).tolist()
@@ -70,17 +74,15 @@ class ResultInFrame:
         return {
             "units": self.units,
             "outline": plain(self.outline),
-            "fold": {"axis": plain(self.creases[-1])},
+            "fold": {"axis": plain(self.creases[-1])} if self.creases else None,
             "folds": [{"axis": plain(crease)} for crease in self.creases],
             "unfolded_outline": plain(self.unfolded_outline),
             "landmarks": {name: plain(point) for name, point in self.landmarks.items()},
             "grasp_pairs": [
                 {"landmarks": list(pair.landmarks), "points": plain(pair.points)} for pair in self.grasp_pairs
             ],
-            "unfolding": {
-                "two_arms": None if both is None else [move_to_dict(move, digits) for move in both],
-                "one_arm": None if one is None else move_to_dict(one, digits),
-            },
+            "unfolding": None if self.unfolding is None else action_to_dict(self.unfolding, digits),
+            "unfolding_plan": [action_to_dict(action, digits) for action in self.unfolding_plan],
         }
 
 

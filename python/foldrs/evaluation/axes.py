@@ -6,6 +6,7 @@ outline, from one landmark to the next.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -25,7 +26,12 @@ _COMPARED = 100
 
 
 def axis_error(scene: Scene, template: Mapping[str, Any], kind: Kind) -> tuple[float, float]:
-    """Errors dA and dtheta of the axis on a template of the kind, for the symmetry kindest to it."""
+    """Errors dA and dtheta of the axis on a template of the kind, for the symmetry kindest to it.
+
+    A template without axis misses the true one by any measure.
+    """
+    if template["axis"] is None:
+        return math.inf, 90.0
     axis, outline = (np.asarray(template[field], dtype=np.float64) for field in ("axis", "outline"))
     whole = area(outline)
     return min(
@@ -62,7 +68,9 @@ def _true_garment(scene: Scene, kind: Kind) -> LandmarkedOutline:
 
 
 def _true_axes(scene: Scene, outline: Points, landmarks: Mapping[str, Any], kind: Kind) -> Iterator[Points]:
-    """Yield the true axis on a template, once for every symmetry."""
+    """Yield the true axis on a template, once for every symmetry; nothing if there is no fold."""
+    if scene.axis_garment is None:
+        return
     places = _true_garment(scene, kind).locate(scene.axis_garment)
     onto = LandmarkedOutline(
         outline, np.array([landmarks[name] for name in kind.landmarks], dtype=np.float64)

@@ -13,6 +13,7 @@ pair                 the first grasp pair is truly accessible, both points withi
                      only where two landmarks or more are accessible
 unfolded             overlap of the predicted and the true unfolded outline in the picture; which part was
                      turned over cannot be told, so its mirror image over the crease is as good
+folds                the number of folds is right
 creases              scenes folded twice: which of the creases seen a predicted axis meets (dA < 0.1)
 EucDist              distance of the template's outline from the garment's, before folding
 ==================== ========================================================================================
@@ -61,11 +62,14 @@ class SceneMeasures:
     garment_type: str
     garment: str
     scenario: str
-    folded_twice: bool
+    folds: int
+    """True number of folds."""
     px_per_cm: float
     error: str = ""
     """Why there is no prediction; every rate counts it as a failure."""
     predicted_type: str = ""
+    folds_found: int | None = None
+    """Number of folds of the prediction."""
     type_right: bool = False
     segmentation_iou: float = 0.0
     template_distance_cm: float | None = None
@@ -99,13 +103,13 @@ class SceneMeasures:
 
 def failed(scene: Scene, reason: str) -> SceneMeasures:
     """Return the measures of a scene without prediction: a failure in every rate."""
-    asked = None if scene.folded_twice else False
+    asked = False if scene.folds == 1 else None
     return SceneMeasures(
         scene=scene.name,
         garment_type=scene.garment_type,
         garment=scene.garment,
         scenario=scene.scenario,
-        folded_twice=scene.folded_twice,
+        folds=scene.folds,
         px_per_cm=scene.px_per_cm,
         error=reason,
         right_matched=asked,
@@ -140,19 +144,24 @@ def measure(scene: Scene, prediction: Mapping[str, Any], kind: Kind) -> SceneMea
         failed(scene, ""),
         predicted_type=prediction["garment_type"],
         type_right=prediction["garment_type"] == scene.garment_type,
+        folds_found=len(prediction["folds"]),
         segmentation_iou=iou(_points(prediction["outline_image"]), scene.outline_image),
         cost_decrease=_cost_decrease(prediction),
         seconds=prediction.get("seconds"),
     )
-    if scene.folded_twice:
+    if scene.folds == 2:
         return _measure_twice(row, scene, prediction) if row.type_right else row
+    if scene.folds == 0:
+        return _measure_flat(row, scene, prediction, kind) if row.type_right else row
     row = _measure_alternatives(row, scene, prediction, kind)
     if not row.type_right:
         return row
     matched, _ = axis_error(scene, prediction["original_template"], kind)
     fitted, angle = axis_error(scene, prediction["template"], kind)
     unfolded = _points(prediction["unfolded_outline_image"])
-    twin = mirrored(unfolded, _points(prediction["fold"]["axis_image"]))
+    shapes = [unfolded]
+    if prediction["fold"] is not None:
+        shapes.append(mirrored(unfolded, _points(prediction["fold"]["axis_image"])))
     row = replace(
         row,
         axis_error_matched=matched,
@@ -160,7 +169,7 @@ def measure(scene: Scene, prediction: Mapping[str, Any], kind: Kind) -> SceneMea
         axis_angle=angle,
         right_matched=matched < RIGHT,
         right=fitted < RIGHT,
-        unfolded_iou=max(iou(shape, scene.unfolded_image) for shape in (unfolded, twin)),
+        unfolded_iou=max(iou(shape, scene.unfolded_image) for shape in shapes),
     )
     return _measure_landmarks(row, scene, prediction, kind)
 
@@ -217,6 +226,16 @@ def _pair_right(scene: Scene, prediction: Mapping[str, Any], kind: Kind, relabel
         if not mark.accessible or off_cm > GRASP_MARGIN_CM:
             return False
     return True
+
+
+def _measure_flat(
+    row: SceneMeasures, scene: Scene, prediction: Mapping[str, Any], kind: Kind
+) -> SceneMeasures:
+    """Scenes in which nothing is folded: the garment as it lies."""
+    unfolded = _points(prediction["unfolded_outline_image"])
+    return _measure_landmarks(
+        replace(row, unfolded_iou=iou(unfolded, scene.unfolded_image)), scene, prediction, kind
+    )
 
 
 def _measure_twice(row: SceneMeasures, scene: Scene, prediction: Mapping[str, Any]) -> SceneMeasures:

@@ -44,7 +44,7 @@ def prediction_from_above(scene: Scene, prediction: Mapping[str, Any]) -> dict[s
         **prediction,
         "outline_image": _above(scene, prediction["outline_image"]),
         "unfolded_outline_image": _above(scene, prediction["unfolded_outline_image"]),
-        "fold": fold(prediction["fold"]),
+        "fold": None if prediction["fold"] is None else fold(prediction["fold"]),
         "folds": [fold(one) for one in prediction["folds"]],
         "landmarks": {
             name: {**mark, "image": _above(scene, mark["image"])}

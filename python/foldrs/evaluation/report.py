@@ -54,6 +54,7 @@ _FURTHER: tuple[Column, ...] = (
     ("pair (%)", lambda s: _number(s.pair_rate)),
     ("unf IoU", lambda s: _number(s.unfolded_iou, 3)),
     ("crease (%)", lambda s: _number(s.crease_rate)),
+    ("folds (%)", lambda s: _number(s.folds_rate)),
     ("median s", lambda s: _number(s.seconds, 2)),
 )
 
@@ -156,8 +157,10 @@ def _record(row: SceneMeasures) -> dict[str, Any]:
         "pair_due": row.pair_due,
         "pair_right": row.pair_right,
         "unf_iou": row.unfolded_iou,
-        "creases": len(row.creases_met) if row.folded_twice else None,
-        "creases_met": sum(row.creases_met) if row.folded_twice else None,
+        "folds": row.folds,
+        "folds_found": row.folds_found,
+        "creases": len(row.creases_met) if row.folds == 2 else None,
+        "creases_met": sum(row.creases_met) if row.folds == 2 else None,
         "seconds": row.seconds,
     }
 

@@ -24,6 +24,7 @@ from foldrs.evaluation.axes import template_distance
 from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import SceneMeasures, failed, measure
 from foldrs.evaluation.scenes import Scene
+from foldrs.joint_fit import Folds
 from foldrs.pipeline import Method, fit
 from foldrs.result import FitResult
 from foldrs.scale import Reference
@@ -43,6 +44,8 @@ class Evaluation:
     px_per_cm: float | None = None
     """Known scale; None to have it found. Scenes with a homography need none."""
     method: Method = "best"
+    folds: Folds | Literal["given"] = "given"
+    """How many folds to undo; as many as there truly are if that is given as the kind is."""
     true_outlines: bool = False
     """Give the true outline instead of the photograph: the matching alone, without the segmentation."""
     calibrated: bool = True
@@ -92,6 +95,7 @@ class Evaluation:
             garment_type=None if self.protocol == "open" else scene.garment_type,
             templates=competing,
             px_per_cm=self.px_per_cm if plane is None else None,
+            folds=scene.folds if self.folds == "given" else self.folds,
             method=self.method,
             table=plane,
             depth=scene.depth if self.calibrated and source is not None else None,

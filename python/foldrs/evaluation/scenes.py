@@ -3,10 +3,10 @@
 A folder of scenes holds NAME.json, the ground truth, and NAME.jpg or another image format. The fields read
 are ``type``, ``px_per_cm``, ``axis_garment``, ``outline_garment``, ``outline_image``, ``unfolded_image`` and
 ``landmarks`` (NAME: ``garment``, ``image``, ``on_outline``, ``accessible``); of scenes folded twice also
-``second_fold.axis_image`` and ``creases_image``; ``garment`` and ``scenario`` for the record, ``axis_image``
-to be drawn. The garment frame is the unfolded garment, the image frame the picture; both in px of one scale,
-unless NAME.homography.json (from image px to cm on the table) tells that the picture was taken at an angle.
-NAME.depth.tiff, .png or .npy is a depth image.
+``second_fold.axis_image`` and ``creases_image``; of scenes not folded ``axis_garment`` is null; ``garment``
+and ``scenario`` for the record, ``axis_image`` to be drawn. The garment frame is the unfolded garment, the
+image frame the picture; both in px of one scale, unless NAME.homography.json (from image px to cm on the
+table) tells that the picture was taken at an angle. NAME.depth.tiff, .png or .npy is a depth image.
 """
 
 from __future__ import annotations
@@ -56,8 +56,9 @@ class Scene:
     px_per_cm: float
     outline_garment: Points
     """(n, 2) px: outline of the unfolded garment."""
-    axis_garment: Points
-    """(2, 2) px: the fold axis (of two folds the first), its ends on that outline."""
+    axis_garment: Points | None
+    """(2, 2) px: the fold axis (of two folds the first), its ends on that outline; None if nothing is
+    folded."""
     outline_image: Points
     """(n, 2) px: the outline seen."""
     unfolded_image: Points
@@ -75,9 +76,11 @@ class Scene:
     """The depth image, if there is one."""
 
     @property
-    def folded_twice(self) -> bool:
-        """Whether there is a second fold; the axis on the garment is not asked for then."""
-        return bool(self.creases)
+    def folds(self) -> int:
+        """Number of folds: none, one or two."""
+        if self.axis_garment is None:
+            return 0
+        return 2 if self.creases else 1
 
 
 def load_scenes(folder: Path) -> list[Scene]:
@@ -117,7 +120,7 @@ def scene_from_truth(truth: Mapping[str, Any], path: Path) -> Scene:
             scenario=str(truth.get("scenario", "")),
             px_per_cm=float(truth["px_per_cm"]),
             outline_garment=_points(truth["outline_garment"], 3),
-            axis_garment=_points(truth["axis_garment"], 2),
+            axis_garment=None if truth["axis_garment"] is None else _points(truth["axis_garment"], 2),
             outline_image=_points(truth["outline_image"], 3),
             unfolded_image=_points(truth["unfolded_image"], 3),
             landmarks={

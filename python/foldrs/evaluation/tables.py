@@ -53,6 +53,8 @@ class Summary:
     unfolded_iou: float
     crease_rate: float
     """Creases met in scenes folded twice."""
+    folds_rate: float
+    """Right number of folds."""
     seconds: float
     """Median."""
 
@@ -99,6 +101,7 @@ def summary(rows: Sequence[SceneMeasures]) -> Summary:
         pair_rate=_rate(row.pair_right for row in rows if row.pair_due),
         unfolded_iou=_mean([row.unfolded_iou for row in rows]),
         crease_rate=_rate(met for row in rows for met in row.creases_met),
+        folds_rate=_rate(row.folds_found == row.folds for row in rows),
         seconds=float(np.median(seconds)) if seconds else math.nan,
     )
 

@@ -41,7 +41,9 @@ def verdict(result: FitResult | None, measures: SceneMeasures | None) -> str:
         return FAILED
     if measures is None:
         return FOLDED if result.accepted else NOT_FOLDED
-    if measures.folded_twice:
+    if measures.folds == 0:
+        return RIGHT if measures.folds_found == 0 else WRONG
+    if measures.folds == 2:
         return RIGHT if measures.creases_met and all(measures.creases_met) else WRONG
     return RIGHT if measures.right else WRONG
 

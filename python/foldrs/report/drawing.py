@@ -17,7 +17,7 @@ from foldrs.report.frame import Frame, Photo, cut_photo
 if TYPE_CHECKING:
     from foldrs.evaluation.scenes import Scene
     from foldrs.image import RgbImage
-    from foldrs.result import Alternative, FitResult, FittedTemplate
+    from foldrs.result import Alternative, FitResult, FittedTemplate, GraspMove
 
 Points = NDArray[np.float64]
 
@@ -116,7 +116,7 @@ def draw(result: FitResult | None, image: RgbImage | None, scene: Scene | None) 
         return None
     frame = Frame.around(shown, _WIDTH, _HEIGHT, _MARGIN)
     pair = result.grasp_pairs[0] if result and result.grasp_pairs else None
-    moves = (result.unfolding.two_arms or ()) if result else ()
+    moves = _moves(result) if result else ()
     return Drawing(
         width=frame.width,
         height=frame.height,
@@ -144,53 +144,65 @@ def _extent(result: FitResult | None, image: RgbImage | None, scene: Scene | Non
         points += [result.outline_image, result.unfolded_outline_image]
         likely = (one for one in result.alternatives if one.probability >= _LIKELY)
         points += [one.unfolded_outline_image for one in likely]
-        points += [move.place[None] for move in result.unfolding.two_arms or ()]
+        points += [move.place[None] for move in _moves(result)]
     if not points and image is not None:
         points = [np.array([[0.0, 0.0], image.shape[1::-1]])]
     return np.vstack(points) if points else None
 
 
+def _moves(result: FitResult) -> tuple[GraspMove, ...]:
+    """Return the moves of two arms that undo the last fold; none without a fold or a pair in reach."""
+    return (result.unfolding.two_arms or ()) if result.unfolding else ()
+
+
 def _explanations(result: FitResult, frame: Frame) -> tuple[Explanation, ...]:
-    """Return the chosen explanation, all its folds with it, and the others with the fold they tell of."""
-    layers = panels.folded_layers(result)
+    """Return the chosen explanation, all its folds with it, and the others with theirs."""
+    kept, flap = _layers(result)
     given = result.original_template if panels.is_fitted(result) else None
     chosen = Explanation(
         garment_type=result.garment_type,
         probability=result.alternatives[0].probability if result.alternatives else None,
         unfolded=frame.outline(result.unfolded_outline_image),
         creases=tuple(frame.line(fold.axis_image) for fold in result.folds),
-        kept=frame.outlines(layers.kept) if layers else "",
-        flap=frame.outlines(layers.flap) if layers else "",
+        kept=frame.outlines(kept),
+        flap=frame.outlines(flap),
         template=_template(result.template, given),
     )
     return (chosen, *(_alternative(other, frame) for other in result.alternatives[1:]))
 
 
 def _alternative(one: Alternative, frame: Frame) -> Explanation:
-    layers = panels.fold_once(one.unfolded_outline_image, one.fold.axis_image)
+    kept, flap = _layers(one)
     return Explanation(
         garment_type=one.garment_type,
         probability=one.probability,
         unfolded=frame.outline(one.unfolded_outline_image),
-        creases=(frame.line(one.fold.axis_image),),
-        kept=frame.outlines(layers.kept) if layers else "",
-        flap=frame.outlines(layers.flap) if layers else "",
+        creases=tuple(frame.line(fold.axis_image) for fold in one.folds),
+        kept=frame.outlines(kept),
+        flap=frame.outlines(flap),
         template=_template(one.template, None),
     )
 
 
+def _layers(one: FitResult | Alternative) -> tuple[list[Points], list[Points]]:
+    """Return the layers that the last fold kept and those it turned over; none if a crease folds nothing."""
+    layers = panels.folded_layers(one)
+    return panels.kept_and_flap(layers) if layers else ([], [])
+
+
 def _template(fitted: FittedTemplate, given: FittedTemplate | None) -> TemplateDrawing:
-    shown = [fitted.outline, fitted.axis, *([given.outline] if given else [])]
+    axis = fitted.axis
+    shown = [fitted.outline, *([] if axis is None else [axis]), *([given.outline] if given else [])]
     frame = Frame.around(np.vstack(shown), _TEMPLATE_SIZE, _TEMPLATE_SIZE, _MARGIN)
-    layers = panels.fold_once(fitted.outline, fitted.axis)
-    flap = [_core.reflect(piece, fitted.axis) for piece in layers.flap] if layers else []
+    layers = None if axis is None else panels.fold_once(fitted.outline, axis)
+    flap = [_core.reflect(piece, axis) for piece in layers.flap] if layers and axis is not None else []
     return TemplateDrawing(
         width=frame.width,
         outline=frame.outline(fitted.outline),
         given=frame.outline(given.outline) if given else "",
         kept=frame.outlines(layers.kept) if layers else "",
         flap=frame.outlines(flap),
-        axis=frame.line(fitted.axis),
+        axis="" if axis is None else frame.line(axis),
     )
 
 
@@ -211,7 +223,8 @@ def _names(result: FitResult, frame: Frame) -> tuple[Name, ...]:
     texts = [pens.short_name(name) for name in result.landmarks]
     anchors = frame.view(np.array([mark.image for mark in result.landmarks.values()]))
     sizes = np.array([(_LETTER * _NAME_HEIGHT * len(text) + 6, 1.2 * _NAME_HEIGHT) for text in texts])
-    crease = frame.view(pens.along(result.fold.axis_image))
+    creases = [pens.along(fold.axis_image) for fold in result.folds]
+    crease = frame.view(np.vstack([np.empty((0, 2)), *creases]))
     corner = np.array([frame.width, frame.height], dtype=np.float64)
     centres = place_labels(anchors, sizes, crease, np.zeros(2), corner)
     places = np.hstack([anchors, centres]).round(1).tolist()

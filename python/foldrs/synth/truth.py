@@ -62,17 +62,12 @@ def describe(
     parameters : SynthParameters
         ``px_per_cm``, ``on_outline_cm`` and ``clear_cm``.
     """
-    scale, first = parameters.px_per_cm, folds[0]
+    scale = parameters.px_per_cm
     truth: dict[str, Any] = {
         "type": garment.garment_type,
         "garment": garment.name,
         "px_per_cm": scale,
-        "scenario": first.scenario,
-        "flap_fraction": round(first.fraction, 4),
-        "flap_under": first.under,
-        "axis_garment": _written(first.turn.axis * scale),
-        "axis_image": _written(pose.to_image(first.turn.axis)),
-        "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
+        **_first_fold(folds, pose, scale),
         "outline_garment": _written(garment.outline * scale),
         "unfolded_image": _written(pose.to_image(garment.outline)),
         "outline_image": _written(outline),
@@ -106,7 +101,7 @@ def seen_at_an_angle(truth: dict[str, Any], camera: Points) -> dict[str, Any]:
         return _written(seen_by(camera, flat.reshape(-1, 2)).reshape(flat.shape))
 
     fields = ("axis_image", "unfolded_image", "outline_image")
-    seen = truth | {field: moved(truth[field]) for field in fields}
+    seen = truth | {field: moved(truth[field]) for field in fields if field in truth}
     seen["creases_image"] = [moved(crease) for crease in truth["creases_image"]]
     seen["landmarks"] = {
         name: mark | {"image": moved(mark["image"])} for name, mark in truth["landmarks"].items()
@@ -115,6 +110,20 @@ def seen_at_an_angle(truth: dict[str, Any], camera: Points) -> dict[str, Any]:
         second = truth["second_fold"]
         seen["second_fold"] = second | {"axis_image": moved(second["axis_image"])}
     return seen
+
+
+def _first_fold(folds: list[Fold], pose: Pose, scale: float) -> dict[str, Any]:
+    if not folds:
+        return {"scenario": "flat", "axis_garment": None, "creases_image": []}
+    first = folds[0]
+    return {
+        "scenario": first.scenario,
+        "flap_fraction": round(first.fraction, 4),
+        "flap_under": first.under,
+        "axis_garment": _written(first.turn.axis * scale),
+        "axis_image": _written(pose.to_image(first.turn.axis)),
+        "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
+    }
 
 
 def _landmarks(

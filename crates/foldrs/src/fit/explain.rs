@@ -1,48 +1,81 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
 use super::rim::{Picture, RimEvidence, Rims};
-use super::{fit_starts, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use super::{fit_starts, fit_unfolded, stack, start_from, FlexibleTemplate, JointFit, SeenField, Start};
 use crate::matching::{Claim, Seen};
 use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
 use crate::{Outline, Point, Segment};
 use nalgebra::Matrix2;
 
-/// A template fitted jointly with its crease, in the units of the seen outline and of the template.
+/// A template fitted jointly with its creases, in the units of the seen outline and of the template.
+///
+/// Creases and axes are in the frame of the part that no fold turns over: each lies where it did when its fold was made.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct JointExplanation {
     /// Index of the template.
     pub template: usize,
-    /// Index of the claim it started from.
-    pub claim: usize,
     /// Corners of the fitted template in template units, in the order of the template given.
     pub outline: Vec<Point>,
-    /// The fold axis on it; the flap is on its left.
-    pub axis: Segment,
+    /// The fold axes on it, first made first; the flap is on their left.
+    pub axes: Vec<Segment>,
     /// Map of the fitted template onto the seen outline; reflecting if the garment shows its other face.
     pub to_seen: PlaneMap,
-    /// The crease on the seen outline; the flap was on its left.
-    pub crease: Segment,
-    /// Minus log evidence, in nats; comparable between templates.
+    /// The creases on the seen outline, first made first; the flap was on their left.
+    pub creases: Vec<Segment>,
+    /// Minus log evidence, in nats; comparable between templates and numbers of folds.
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub rim: RimEvidence,
 }
 
+impl JointExplanation {
+    /// Minus log evidence of the outline alone: that of the picture is bounded, and says nothing of a garment unfolded.
+    fn outline_surprise(&self) -> f64 {
+        self.surprise + self.rim.gain
+    }
+}
+
+/// How many folds to undo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FoldCount {
+    /// So many.
+    Exactly(usize),
+    /// As many as explain more than their freedom costs, at most so many.
+    UpTo(usize),
+}
+
 /// What the joint fit found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct JointFits {
-    /// The folds that explain the outline, the best evidence first.
-    pub folds: Vec<JointExplanation>,
-    /// Surprise of the best fold's template unfolded: a fold is accepted only if its own is less.
-    pub unfolded: f64,
+    /// For every number of folds tried, from none on, what explains the outline, the best evidence first.
+    pub by_folds: Vec<Vec<JointExplanation>>,
 }
 
-/// Fits every template jointly with the crease, from all claims; the best evidence first.
+impl JointFits {
+    /// Surprise at the outline of the best explanation by so many folds; infinite if there is none.
+    pub fn surprise(&self, folds: usize) -> f64 {
+        let explanations = self.by_folds.get(folds).into_iter().flatten();
+        explanations
+            .map(JointExplanation::outline_surprise)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The number of folds that explain the outline best; further ones explain no more than their freedom costs.
+    #[must_use]
+    pub fn enough(&self) -> usize {
+        let tried = 0..self.by_folds.len();
+        tried
+            .min_by(|&a, &b| self.surprise(a).total_cmp(&self.surprise(b)))
+            .unwrap_or(0)
+    }
+}
+
+/// Fits every template jointly with its creases, from all claims; the best evidence first.
 ///
 /// `scale` is the number of seen units a template unit, if known; `picture` what was seen within the outline, in the
 /// same coordinates, if there is a picture.
@@ -53,73 +86,161 @@ pub fn explain_jointly(
     claims: &[Claim],
     scale: Option<f64>,
     picture: Option<&Picture>,
+    folds: FoldCount,
     parameters: &Parameters,
 ) -> JointFits {
-    let (parameters, rim) = (&parameters.fit, &parameters.rim);
+    let Some(search) = Search::new(seen, templates, scale, &parameters.fit) else {
+        return JointFits::default();
+    };
+    let rims = picture.and_then(|picture| Rims::new(picture, search.working, &search.field, &parameters.rim));
     let mut found = JointFits {
-        folds: Vec::new(),
-        unfolded: f64::INFINITY,
+        by_folds: vec![search.told(&search.unfolded(), 0)],
     };
-    if templates.is_empty() {
-        return found;
+    let (most, all) = match folds {
+        FoldCount::Exactly(count) => (count, true),
+        FoldCount::UpTo(most) => (most, false),
+    };
+    let mut starts = search.starts(claims);
+    for count in 1..=most {
+        let fits = fit_starts(
+            &search.field,
+            templates,
+            &starts,
+            rims.as_ref(),
+            &search.parameters,
+        );
+        found.by_folds.push(search.told(&fits, count));
+        // One fold alone may explain little of a garment folded twice, so two are always tried.
+        if count == most || !(all || count == 1 || found.enough() == count) {
+            break;
+        }
+        starts = search.further(&starts, &fits);
     }
-    let area = seen.outline().signed_area().abs();
-    let mean_unit = templates.iter().map(|t| t.area.sqrt()).sum::<f64>() / templates.len() as f64;
-    let working = scale.unwrap_or((parameters.hidden * area).sqrt() / mean_unit);
-    let Some(outline) = scaled(seen.outline(), 1.0 / working) else {
-        return found;
-    };
-    let field = SeenField::new(&outline, parameters.samples, parameters.nodes);
-    let parameters = match scale {
-        Some(_) => parameters.clone(),
-        None => FitParameters {
-            growth: parameters.free_growth,
-            ..parameters.clone()
-        },
-    };
+    found
+}
 
-    let mut starts: Vec<(usize, Start)> = Vec::with_capacity(claims.len());
-    let mut from = Vec::with_capacity(claims.len());
-    let mut tried = vec![0; templates.len()];
-    for (index, claim) in claims.iter().enumerate() {
-        let t = claim.template;
-        tried[t] += 1;
-        if tried[t] > parameters.starts {
-            continue;
+/// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
+struct Search<'a> {
+    templates: &'a [FlexibleTemplate],
+    scale: Option<f64>,
+    parameters: FitParameters,
+    /// Seen units a working unit.
+    working: f64,
+    field: SeenField,
+    centroid: Point,
+    /// The candidate creases.
+    sides: Vec<Segment>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        seen: &Seen,
+        templates: &'a [FlexibleTemplate],
+        scale: Option<f64>,
+        parameters: &FitParameters,
+    ) -> Option<Self> {
+        if templates.is_empty() {
+            return None;
         }
-        let expected = scale.map_or(ratio(parameters.hidden * field.area, templates[t].area), |_| 1.0);
-        let Some(side) = seen.sides().get(claim.hypothesis.side) else {
-            continue;
+        let area = seen.outline().signed_area().abs();
+        let mean_unit = templates.iter().map(|t| t.area.sqrt()).sum::<f64>() / templates.len() as f64;
+        let working = scale.unwrap_or((parameters.hidden * area).sqrt() / mean_unit);
+        let outline = scaled(seen.outline(), 1.0 / working)?;
+        let growth = match scale {
+            Some(_) => parameters.growth,
+            None => parameters.free_growth,
         };
-        let side = side.segment.map(|p| p / working);
-        if let Some(start) = start_from(&claim.hypothesis, &side, expected) {
-            starts.push((t, start));
-            from.push((start, index));
+        Some(Self {
+            templates,
+            scale,
+            working,
+            field: SeenField::new(&outline, parameters.samples, parameters.nodes),
+            centroid: outline.centroid(),
+            sides: seen
+                .sides()
+                .iter()
+                .map(|s| s.segment.map(|p| p / working))
+                .collect(),
+            parameters: FitParameters {
+                growth,
+                ..parameters.clone()
+            },
+        })
+    }
+
+    /// Expected number of working units a unit of a template folded so many times.
+    fn expected(&self, template: usize, folds: i32) -> f64 {
+        let whole = self.parameters.hidden.powi(folds) * self.field.area;
+        self.scale
+            .map_or(ratio(whole, self.templates[template].area), |_| 1.0)
+    }
+
+    /// Every template unfolded: what a fold has to beat. The picture has nothing to say there: chance made its edges.
+    fn unfolded(&self) -> Vec<(usize, JointFit)> {
+        let fit = |t: usize| {
+            let expected = self.expected(t, 0);
+            let fit = fit_unfolded(
+                &self.field,
+                &self.templates[t],
+                self.centroid,
+                expected,
+                &self.parameters,
+            );
+            Some((t, fit?))
+        };
+        let mut fits: Vec<(usize, JointFit)> = (0..self.templates.len()).filter_map(fit).collect();
+        fits.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+        fits
+    }
+
+    /// The starts the claims about the axis of one fold give.
+    fn starts(&self, claims: &[Claim]) -> Vec<(usize, Start)> {
+        let mut starts = Vec::with_capacity(claims.len());
+        let mut tried = vec![0; self.templates.len()];
+        for claim in claims {
+            let t = claim.template;
+            tried[t] += 1;
+            if tried[t] > self.parameters.starts {
+                continue;
+            }
+            let side = self.sides.get(claim.hypothesis.side);
+            let start = side.and_then(|side| start_from(&claim.hypothesis, side, self.expected(t, 1)));
+            starts.extend(start.map(|start| (t, start)));
         }
+        starts
     }
-    let rims = picture.and_then(|picture| Rims::new(picture, working, &field, rim));
-    let fits = fit_starts(&field, templates, &starts, rims.as_ref(), &parameters);
-    if let Some((t, _)) = fits.first() {
-        let expected = scale.map_or(ratio(field.area, templates[*t].area), |_| 1.0);
-        let unfolded = fit_unfolded(&field, &templates[*t], outline.centroid(), expected, &parameters);
-        // Where nothing is folded the picture has nothing to say: chance made its edges.
-        found.unfolded = unfolded.map_or(f64::INFINITY, |fit| fit.surprise);
+
+    /// Starts with one more fold than others and what was fitted from them.
+    fn further(&self, starts: &[(usize, Start)], fits: &[(usize, JointFit)]) -> Vec<(usize, Start)> {
+        let mut known = starts.to_vec();
+        known.extend(
+            fits.iter()
+                .map(|(t, fit)| (*t, stack::start_of(fit, &self.templates[*t]))),
+        );
+        let growth = self.scale.map_or(self.parameters.hidden.sqrt(), |_| 1.0);
+        let more = stack::extended(&known, &self.sides, growth, &self.parameters);
+        stack::promising(&self.field, self.templates, more, &self.parameters)
     }
-    // Which side is the crease is one more thing to be told.
-    let choice = (seen.sides().len() as f64).ln();
-    found.folds = fits
-        .into_iter()
-        .filter_map(|(t, fit)| {
-            let same = |(start, i): &&(Start, usize)| *start == fit.start && claims[*i].template == t;
-            let claim = from.iter().find(same)?.1;
-            let told = explanation(t, claim, &templates[t], &fit, working, scale.is_some())?;
+
+    /// Fits as explanations by so many folds.
+    fn told(&self, fits: &[(usize, JointFit)], folds: usize) -> Vec<JointExplanation> {
+        // Which side is the crease is one more thing to be told; of an earlier fold, also where it was seen.
+        let (sides, p) = ((self.sides.len() as f64).ln(), &self.parameters);
+        let further = folds.saturating_sub(1) as f64 * (sides + stack::WAYS.ln() + p.further_fold);
+        let choice = if folds > 0 {
+            sides + p.first_fold + further
+        } else {
+            0.0
+        };
+        let told = |(t, fit): &(usize, JointFit)| {
+            let told = explanation(*t, &self.templates[*t], fit, self.working, self.scale.is_some())?;
             Some(JointExplanation {
                 surprise: told.surprise + choice,
                 ..told
             })
-        })
-        .collect();
-    found
+        };
+        fits.iter().filter_map(told).collect()
+    }
 }
 
 /// Ratio of lengths of two areas.
@@ -133,7 +254,6 @@ fn scaled(outline: &Outline, factor: f64) -> Option<Outline> {
 
 fn explanation(
     template: usize,
-    claim: usize,
     flexible: &FlexibleTemplate,
     fit: &JointFit,
     working: f64,
@@ -159,22 +279,23 @@ fn explanation(
         linear,
         offset: first.coords - linear * corners.first()?.coords,
     };
-    let crease = fit.crease.map(|p| p * working);
+    let creases: Vec<Segment> = fit.creases.iter().map(|c| c.map(|p| p * working)).collect();
     let back = to_seen.inverse()?;
-    let axis = crease.map(|p| back.apply(&p));
-    // A reflection swaps left and right.
-    let axis = if fit.start.reflected {
-        [axis[1], axis[0]]
-    } else {
-        axis
+    let axis = |crease: &Segment| {
+        let axis = crease.map(|p| back.apply(&p));
+        // A reflection swaps left and right.
+        if fit.start.reflected {
+            [axis[1], axis[0]]
+        } else {
+            axis
+        }
     };
     Some(JointExplanation {
         template,
-        claim,
         outline,
-        axis,
+        axes: creases.iter().map(axis).collect(),
         to_seen,
-        crease,
+        creases,
         surprise: fit.surprise,
         rim: fit.rim,
     })

@@ -17,8 +17,9 @@ mod layers;
 mod rim;
 mod shape;
 mod solve;
+mod stack;
 
-pub use explain::{explain_jointly, JointExplanation, JointFits};
+pub use explain::{explain_jointly, FoldCount, JointExplanation, JointFits};
 pub use field::SeenField;
 pub use rim::{Picture, RimEvidence};
 pub use shape::FlexibleTemplate;
@@ -111,13 +112,12 @@ pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option
     let turn = direction.y.atan2(direction.x) - template.y.atan2(template.x);
     let middle = |s: &Segment| nalgebra::center(&s[0], &s[1]);
     Some(Start {
-        side: *side,
+        sides: vec![*side],
         anchor: middle(&hypothesis.axis),
         target: middle(side),
         turn,
         scale,
         reflected,
-        folded: true,
     })
 }
 
@@ -134,13 +134,12 @@ pub fn fit_unfolded(
 ) -> Option<JointFit> {
     let steps = parameters.directions;
     let start = |k: usize| Start {
-        side: [target, target + nalgebra::Vector2::x()],
+        sides: Vec::new(),
         anchor: template.centre,
         target,
         turn: std::f64::consts::TAU * (k / 2) as f64 / steps as f64,
         scale,
         reflected: k % 2 == 1,
-        folded: false,
     };
     let starts: Vec<(usize, Start)> = (0..2 * steps).map(|k| (0, start(k))).collect();
     let few = FitParameters {

@@ -1,20 +1,25 @@
 //! Gauss-Newton over the corners' displacements, the pose and the crease of one candidate.
 
 use super::field::SeenField;
-use super::layers::{pieces, Piece};
+use super::layers::{fold_layers, Layers, Piece};
 use super::rim::{RimEvidence, Rims};
 use super::shape::{log_determinant, FlexibleTemplate};
 use crate::crease::Axis;
 use crate::fold::Layer;
 use crate::parameters::FitParameters;
+use crate::stack::{Crease, Source};
 use crate::{Point, Segment, Vector};
 use nalgebra::{DMatrix, DVector, Matrix2};
 
+/// Variables of the pose: growth, turn, offset.
+const POSE: usize = 4;
+
 /// Where a candidate begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Start {
-    /// The side of the seen outline that is the crease, in the outline's direction.
-    pub side: Segment,
+    /// The creases, first made first, each in the frame of the part that no fold turns, with the cloth on its left;
+    /// of one fold a side of the seen outline in the outline's direction; empty for the template unfolded.
+    pub sides: Vec<Segment>,
     /// The template point that comes to lie on `target`, in template coordinates.
     pub anchor: Point,
     /// Where it comes to lie.
@@ -25,8 +30,6 @@ pub struct Start {
     pub scale: f64,
     /// Whether the template is mirrored first (x -> -x).
     pub reflected: bool,
-    /// Whether the template is folded over the side at all.
-    pub folded: bool,
 }
 
 /// A template fitted to the seen outline.
@@ -42,8 +45,10 @@ pub struct JointFit {
     pub scale: f64,
     /// Turn of the fitted pose.
     pub turn: f64,
-    /// The crease in seen units, cut to what it creases; the flap was on its left.
-    pub crease: Segment,
+    /// Where the template's centre lies, in seen units.
+    pub centre: Point,
+    /// The creases in seen units, first made first, cut to what they crease; the flap was on their left.
+    pub creases: Vec<Segment>,
     /// Minus log evidence: how surprising the seen outline is under this template and crease, in nats.
     pub surprise: f64,
     /// What the picture says of it; nothing without a picture.
@@ -62,9 +67,16 @@ struct State {
     growth: f64,
     turn: f64,
     offset: Vector,
-    /// Shift of the crease across its side, in seen units.
+    /// Where every crease lies, first made first.
+    slips: Vec<Slip>,
+}
+
+/// How a crease lies beside its side.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slip {
+    /// Shift across the side, in seen units.
     shift: f64,
-    /// Turn of the crease from its side.
+    /// Turn from the side.
     skew: f64,
 }
 
@@ -73,10 +85,24 @@ struct Problem<'a> {
     field: &'a SeenField,
     template: &'a FlexibleTemplate,
     start: Start,
-    /// The side as an axis with the flap on its left.
-    side: Axis,
-    middle: Point,
+    /// The sides as axes with the flap on their left, first made first, and their middles.
+    sides: Vec<(Axis, Point)>,
     parameters: &'a FitParameters,
+}
+
+/// How ill a start explains the seen outline as it stands, with a wide noise; `None` if it folds nothing.
+pub(super) fn cost(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    start: &Start,
+    parameters: &FitParameters,
+) -> Option<f64> {
+    let problem = Problem::new(field, template, start.clone(), parameters)?;
+    let state = problem.initial();
+    let noise = parameters.coarse_noise * parameters.noise;
+    problem
+        .evaluate(&state, noise, Normal::of(0))
+        .map(|normal| normal.residual)
 }
 
 /// A few iterations with a wide noise, to see whether a start leads anywhere.
@@ -86,7 +112,7 @@ pub(super) fn coarse(
     start: &Start,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, *start, parameters)?;
+    let problem = Problem::new(field, template, start.clone(), parameters)?;
     let mut state = problem.initial();
     for _ in 0..parameters.coarse_iterations {
         state = problem.step(&state, parameters.coarse_noise * parameters.noise)?;
@@ -101,7 +127,7 @@ pub(super) fn fine(
     from: &JointFit,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, from.start, parameters)?;
+    let problem = Problem::new(field, template, from.start.clone(), parameters)?;
     let mut state = from.state.clone();
     let middle = parameters.coarse_noise.sqrt() * parameters.noise;
     for _ in 0..parameters.coarse_iterations {
@@ -130,7 +156,7 @@ pub(super) fn polished(
     fit: &JointFit,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, fit.start, parameters)?;
+    let problem = Problem::new(field, template, fit.start.clone(), parameters)?;
     let mut state = fit.state.clone();
     for _ in 0..parameters.polish_iterations {
         state = problem.step(&state, parameters.polish_noise)?;
@@ -152,9 +178,9 @@ pub(super) fn with_picture(
     rims: &Rims,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, fit.start, parameters)?;
-    let pieces = problem.pieces(&problem.ring(&fit.state), &problem.axis(&fit.state))?;
-    let rim = rims.evidence(&pieces, field);
+    let problem = Problem::new(field, template, fit.start.clone(), parameters)?;
+    let layers = problem.layers(&problem.ring(&fit.state), &problem.axes(&fit.state))?;
+    let rim = rims.evidence(&layers.pieces, field);
     Some(JointFit {
         rim,
         surprise: fit.surprise - rim.gain,
@@ -169,14 +195,16 @@ impl<'a> Problem<'a> {
         start: Start,
         parameters: &'a FitParameters,
     ) -> Option<Self> {
-        let side = Axis::new(&[start.side[1], start.side[0]]).ok()?;
-        let middle = nalgebra::center(&start.side[0], &start.side[1]);
+        let turned = |side: &Segment| {
+            let middle = nalgebra::center(&side[0], &side[1]);
+            Some((Axis::new(&[side[1], side[0]]).ok()?, middle))
+        };
+        let sides = start.sides.iter().map(turned).collect::<Option<_>>()?;
         Some(Self {
             field,
             template,
             start,
-            side,
-            middle,
+            sides,
             parameters,
         })
     }
@@ -189,8 +217,7 @@ impl<'a> Problem<'a> {
             growth: 0.0,
             turn: self.start.turn,
             offset: self.start.target.coords - anchor,
-            shift: 0.0,
-            skew: 0.0,
+            slips: vec![Slip::default(); self.sides.len()],
         }
     }
 
@@ -211,21 +238,35 @@ impl<'a> Problem<'a> {
         (0..self.template.corners.len()).map(corner).collect()
     }
 
-    /// The crease, of the side's length, with the flap on its left.
-    fn axis(&self, state: &State) -> Axis {
-        let u = self.side.direction;
-        let (s, c) = state.skew.sin_cos();
-        let direction = Vector::new(c * u.x - s * u.y, s * u.x + c * u.y);
-        let through = self.middle + Vector::new(-u.y, u.x) * state.shift;
-        Axis {
-            origin: through - direction * (self.side.length / 2.0),
-            direction,
-            length: self.side.length,
+    /// The creases, of their sides' lengths, with the flap on their left.
+    fn axes(&self, state: &State) -> Vec<Axis> {
+        let axis = |((side, _), slip): (&(Axis, Point), &Slip)| {
+            let u = side.direction;
+            let (s, c) = slip.skew.sin_cos();
+            let direction = Vector::new(c * u.x - s * u.y, s * u.x + c * u.y);
+            Axis {
+                origin: Point::origin(),
+                direction,
+                length: side.length,
+            }
+        };
+        let mut axes: Vec<Axis> = self.sides.iter().zip(&state.slips).map(axis).collect();
+        for (axis, through) in axes.iter_mut().zip(self.pivots(state)) {
+            axis.origin = through - axis.direction * (axis.length / 2.0);
         }
+        axes
     }
 
-    fn pieces(&self, ring: &[Point], axis: &Axis) -> Option<Vec<Piece>> {
-        pieces(ring, axis, self.start.folded.then_some(self.parameters.covered))
+    /// The points the creases turn about.
+    fn pivots(&self, state: &State) -> Vec<Point> {
+        let pivot = |((side, middle), slip): (&(Axis, Point), &Slip)| {
+            middle + Vector::new(-side.direction.y, side.direction.x) * slip.shift
+        };
+        self.sides.iter().zip(&state.slips).map(pivot).collect()
+    }
+
+    fn layers(&self, ring: &[Point], axes: &[Axis]) -> Option<Layers> {
+        fold_layers(ring, axes, self.parameters.covered)
     }
 
     fn step(&self, state: &State, noise: f64) -> Option<State> {
@@ -247,29 +288,36 @@ impl<'a> Problem<'a> {
             growth: state.growth + d[n],
             turn: state.turn + d[n + 1],
             offset: state.offset + Vector::new(d[n + 2], d[n + 3]),
-            shift: state.shift + d[n + 4],
-            skew: state.skew + d[n + 5],
+            slips: (0..state.slips.len())
+                .map(|k| Slip {
+                    shift: state.slips[k].shift + d[n + POSE + 2 * k],
+                    skew: state.slips[k].skew + d[n + POSE + 2 * k + 1],
+                })
+                .collect(),
         })
     }
 
-    /// Prior precisions of growth, turn, offset x and y, shift and skew.
-    fn pose_precisions(&self) -> [f64; 6] {
+    /// Prior precisions of growth, turn, offset x and y, and every crease's shift and skew.
+    fn free_precisions(&self) -> Vec<f64> {
         let p = self.parameters;
-        [p.growth, p.turn, p.offset, p.offset, p.shift, p.skew].map(|spread| spread.powi(-2))
+        let mut spreads = vec![p.growth, p.turn, p.offset, p.offset];
+        for k in 0..self.sides.len() {
+            // Of an earlier fold's crease the outline shows a part, or what a later fold turned over.
+            let last = k + 1 == self.sides.len();
+            spreads.extend(if last {
+                [p.shift, p.skew]
+            } else {
+                [p.earlier_shift, p.earlier_skew]
+            });
+        }
+        spreads.into_iter().map(|spread| spread.powi(-2)).collect()
     }
 
     /// Minus log of the joint density and its quadratic approximation about a state.
     fn linearise(&self, state: &State, noise: f64) -> Option<Normal> {
-        let ring = self.ring(state);
-        let axis = self.axis(state);
-        let pieces = self.pieces(&ring, &axis)?;
         let n = state.displacement.len();
-        let mut normal = Normal {
-            hessian: DMatrix::zeros(n + 6, n + 6),
-            gradient: DVector::zeros(n + 6),
-            residual: 0.0,
-            prior: self.template.cost(&state.displacement),
-        };
+        let mut normal = Normal::of(n + POSE + 2 * self.sides.len());
+        normal.prior = self.template.cost(&state.displacement);
         normal
             .hessian
             .view_mut((0, 0), (n, n))
@@ -278,17 +326,27 @@ impl<'a> Problem<'a> {
             .gradient
             .rows_mut(0, n)
             .copy_from(&(&self.template.precision * &state.displacement));
-        let free = [state.growth, 0.0, 0.0, 0.0, state.shift, state.skew];
-        for (k, (precision, value)) in self.pose_precisions().into_iter().zip(free).enumerate() {
+        let slips = state.slips.iter().flat_map(|slip| [slip.shift, slip.skew]);
+        let free = [state.growth, 0.0, 0.0, 0.0].into_iter().chain(slips);
+        for (k, (precision, value)) in self.free_precisions().into_iter().zip(free).enumerate() {
             normal.hessian[(n + k, n + k)] += precision;
             normal.gradient[n + k] += precision * value;
             normal.prior += 0.5 * precision * value * value;
         }
+        self.evaluate(state, noise, normal)
+    }
+
+    /// Adds what the outlines say of a state.
+    fn evaluate(&self, state: &State, noise: f64, mut normal: Normal) -> Option<Normal> {
+        let ring = self.ring(state);
+        let axes = self.axes(state);
+        let Layers { pieces, creases } = self.layers(&ring, &axes)?;
         let jacobian = Jacobian {
             linear: self.linear(state.growth, state.turn),
             offset: Point::from(state.offset),
-            axis,
-            through: self.middle + Vector::new(-self.side.direction.y, self.side.direction.x) * state.shift,
+            axes: &axes,
+            pivots: &self.pivots(state),
+            creases: &creases,
             ring: &ring,
         };
         self.explain_seen(&pieces, &jacobian, noise, &mut normal);
@@ -354,21 +412,13 @@ impl<'a> Problem<'a> {
 
     fn finish(&self, state: State, noise: f64) -> Option<JointFit> {
         let normal = self.linearise(&state, noise)?;
-        let poses: f64 = self.pose_precisions().iter().map(|p| p.ln()).sum();
+        let poses: f64 = self.free_precisions().iter().map(|p| p.ln()).sum();
         let log_det = log_determinant(&normal.hessian)?;
         let surprise = normal.residual + normal.prior + 0.5 * (log_det - self.template.log_det - poses);
         let ring = self.ring(&state);
-        let axis = self.axis(&state);
-        let ends: Vec<Point> = self
-            .pieces(&ring, &axis)?
-            .iter()
-            .filter(|p| p.layer == Layer::Crease)
-            .flat_map(|p| p.ends)
-            .collect();
-        let crease = match ends.as_slice() {
-            [first, .., last] => [*first, *last],
-            _ => self.start.side,
-        };
+        let axes = self.axes(&state);
+        let layers = self.layers(&ring, &axes)?;
+        let creases = (0..axes.len()).map(|k| layers.creased(k, &axes[k])).collect();
         let corners = self
             .template
             .corners
@@ -382,12 +432,13 @@ impl<'a> Problem<'a> {
             })
             .collect();
         Some(JointFit {
-            start: self.start,
+            start: self.start.clone(),
             corners,
             ring,
             scale: self.start.scale * state.growth.exp(),
             turn: state.turn,
-            crease,
+            centre: Point::from(state.offset),
+            creases,
             surprise,
             rim: RimEvidence::default(),
             residual: normal.residual,
@@ -400,21 +451,81 @@ impl<'a> Problem<'a> {
 struct Jacobian<'a> {
     linear: Matrix2<f64>,
     offset: Point,
-    axis: Axis,
-    /// The point the crease turns about.
-    through: Point,
+    axes: &'a [Axis],
+    /// The points the creases turn about.
+    pivots: &'a [Point],
+    creases: &'a [Crease],
     ring: &'a [Point],
+}
+
+impl Jacobian<'_> {
+    /// How `w . x` changes with the variables, x being the point of a piece's source at share `t`.
+    fn row(&self, piece: &Piece, t: f64, mut w: Vector, variables: usize, row: &mut Vec<(usize, f64)>) {
+        let first = variables - 2 * self.axes.len();
+        let n = first - POSE;
+        let mut x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
+        // Back through the folds that turned it over, to where it lay before.
+        for (k, axis) in self.axes.iter().enumerate().rev() {
+            if !piece.turned.by(k) {
+                continue;
+            }
+            x = axis.reflect(&x);
+            let normal = Vector::new(-axis.direction.y, axis.direction.x);
+            let from = x - self.pivots[k];
+            let turned = normal * axis.direction.dot(&from) + axis.direction * normal.dot(&from);
+            row.push((first + 2 * k, 2.0 * w.dot(&normal)));
+            row.push((first + 2 * k + 1, 2.0 * w.dot(&turned)));
+            // The reflection is its own transpose.
+            w = axis.direction * (2.0 * axis.direction.dot(&w)) - w;
+        }
+        match piece.source {
+            Source::Crease(c) => {
+                let k = self.creases[c].fold;
+                let axis = &self.axes[k];
+                let normal = Vector::new(-axis.direction.y, axis.direction.x);
+                let along = axis.direction.dot(&(x - self.pivots[k]));
+                row.push((first + 2 * k, w.dot(&normal)));
+                row.push((first + 2 * k + 1, w.dot(&normal) * along));
+            }
+            Source::Edge(i) => {
+                let j = (i + 1) % self.ring.len();
+                let d = self.linear.transpose() * w;
+                let v = x - self.offset;
+                row.push((2 * i, d.x * (1.0 - t)));
+                row.push((2 * i + 1, d.y * (1.0 - t)));
+                row.push((2 * j, d.x * t));
+                row.push((2 * j + 1, d.y * t));
+                row.push((n, w.dot(&v)));
+                row.push((n + 1, w.dot(&Vector::new(-v.y, v.x))));
+                row.push((n + 2, w.x));
+                row.push((n + 3, w.y));
+            }
+        }
+    }
 }
 
 /// The normal equations.
 struct Normal {
     hessian: DMatrix<f64>,
     gradient: DVector<f64>,
+    /// What one residual depends on: indices of variables, and how much.
+    row: Vec<(usize, f64)>,
     residual: f64,
     prior: f64,
 }
 
 impl Normal {
+    /// Nothing yet, for so many variables; none if only the residual is asked for.
+    fn of(variables: usize) -> Self {
+        Self {
+            hessian: DMatrix::zeros(variables, variables),
+            gradient: DVector::zeros(variables),
+            row: Vec::with_capacity(16),
+            residual: 0.0,
+            prior: 0.0,
+        }
+    }
+
     /// Adds a residual `r` whose change is `w . dx`, x being the point of the piece's edge at share `t`.
     ///
     /// `opposed` is a squared distance that does not change; together they count by a robust loss with heavy tails.
@@ -433,58 +544,19 @@ impl Normal {
     ) {
         let e = (r * r + opposed) / (noise * noise * tail * tail);
         self.residual += 0.5 * weight * tail * tail * e.ln_1p();
+        if self.gradient.is_empty() {
+            return;
+        }
         let weight = weight / (1.0 + e) / (noise * noise);
-        let n = self.gradient.len() - 6;
-        let mut row = [(0, 0.0); 10];
-        let axis = &jacobian.axis;
-        let normal = Vector::new(-axis.direction.y, axis.direction.x);
-        let count = if piece.layer == Layer::Crease {
-            let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
-            row[0] = (n + 4, w.dot(&normal));
-            row[1] = (
-                n + 5,
-                w.dot(&normal) * axis.direction.dot(&(x - jacobian.through)),
-            );
-            2
-        } else {
-            let [i, j] = piece.corners;
-            let x = jacobian.ring[i] + (jacobian.ring[j] - jacobian.ring[i]) * t;
-            let flap = piece.layer == Layer::Flap;
-            // The reflection is its own transpose.
-            let u = if flap {
-                axis.direction * (2.0 * axis.direction.dot(&w)) - w
-            } else {
-                w
-            };
-            let d = jacobian.linear.transpose() * u;
-            let v = x - jacobian.offset;
-            let corners = [
-                (2 * i, d.x * (1.0 - t)),
-                (2 * i + 1, d.y * (1.0 - t)),
-                (2 * j, d.x * t),
-                (2 * j + 1, d.y * t),
-            ];
-            row[..4].copy_from_slice(&corners);
-            row[4] = (n, u.dot(&v));
-            row[5] = (n + 1, u.dot(&Vector::new(-v.y, v.x)));
-            row[6] = (n + 2, u.x);
-            row[7] = (n + 3, u.y);
-            if flap {
-                let from = x - jacobian.through;
-                let turned = normal * axis.direction.dot(&from) + axis.direction * normal.dot(&from);
-                row[8] = (n + 4, 2.0 * w.dot(&normal));
-                row[9] = (n + 5, 2.0 * w.dot(&turned));
-                10
-            } else {
-                8
-            }
-        };
-        let row = &row[..count];
-        for &(a, x) in row {
+        let mut row = std::mem::take(&mut self.row);
+        row.clear();
+        jacobian.row(piece, t, w, self.gradient.len(), &mut row);
+        for &(a, x) in &row {
             self.gradient[a] += weight * r * x;
-            for &(b, y) in row {
+            for &(b, y) in &row {
                 self.hessian[(a, b)] += weight * x * y;
             }
         }
+        self.row = row;
     }
 }
