@@ -227,4 +227,4 @@ def test_tensors_of_two_shapes_are_refused() -> None:
     flexible = flexible_template(TOWEL, parameters)
     colours, steps = np.zeros((40, 60, 3), np.float32), np.zeros((40, 50, 3), np.float32)
     with pytest.raises(ValueError, match="one shape"):
-        _core.fit_jointly(seen, [TOWEL.outline], [flexible], 4.0, (colours, 1.0, steps))
+        _core.fit_jointly(seen, [TOWEL.outline], [flexible], 1, False, 4.0, (colours, 1.0, steps))
