@@ -41,6 +41,10 @@ class Explanation:
     flap_on_top: bool | None = None
     """Whether the flap lies on top of the kept part; None where the picture does not tell."""
 
+    weight: float = 1.0
+    """Share of its kind's prior probability that stands behind it, of 1: less where the kind has several
+    templates (:mod:`foldrs.alternatives`)."""
+
     @property
     def accepted(self) -> bool:
         """Whether the fold explains the outline better than the unfolded template."""

@@ -103,7 +103,7 @@ def fit(
             "no fold of any template could be compared with the outline: "
             "check the scale (px_per_cm) and that the templates are of the garment's kind"
         )
-    best = distinct(explanations, parameters.alternatives)
+    best = distinct(explanations, chosen, temperature, parameters.alternatives)
     matched = time.perf_counter()
 
     return result_of(
