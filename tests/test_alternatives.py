@@ -27,7 +27,7 @@ def explained(template: Template, cost: float, offset: float = 0.0) -> Explanati
     axis = np.array([[low[0], middle], [high[0], middle]])
     fitted = FittedTemplate(template.outline, dict(template.landmarks), axis)
     to_image = np.array([[1.0, 0.0, offset], [0.0, 1.0, 0.0]])
-    crease = axis + [offset, 0.0]
+    crease = axis + np.array([offset, 0.0])
     return Explanation(template, axis, fitted, to_image, crease, cost, cost, np.inf)
 
 

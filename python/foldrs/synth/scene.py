@@ -133,8 +133,8 @@ def _drawn(
     for _ in range(_TRIES):
         try:
             garment = vary(source, rng, parameters)
-            folds = [draw_fold(garment, rng, parameters)]
-            layers = fold_flat(garment.outline, folds[0])
+            folds = [draw_fold(garment, rng, parameters)] if parameters.folds else []
+            layers = fold_flat(garment.outline, folds[0]) if folds else [Layer(garment.outline)]
             if parameters.folds == 2:
                 folds.append(draw_second_fold(folds[0].outline, rng, parameters))
                 layers = fold_again(layers, folds[1])

@@ -50,7 +50,7 @@ def describe(
     garment : Garment
         The unfolded garment, cm.
     folds : list of Fold
-        The folds, first made first.
+        The folds, first made first; none of a flat garment.
     layers : list of Layer
         The layers of cloth, lowest first.
     pose : Pose
@@ -62,22 +62,26 @@ def describe(
     parameters : SynthParameters
         ``px_per_cm``, ``on_outline_cm`` and ``clear_cm``.
     """
-    scale, first = parameters.px_per_cm, folds[0]
+    scale = parameters.px_per_cm
     truth: dict[str, Any] = {
         "type": garment.garment_type,
         "garment": garment.name,
         "px_per_cm": scale,
-        "scenario": first.scenario,
-        "flap_fraction": round(first.fraction, 4),
-        "flap_under": first.under,
-        "axis_garment": _written(first.turn.axis * scale),
-        "axis_image": _written(pose.to_image(first.turn.axis)),
-        "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
         "outline_garment": _written(garment.outline * scale),
         "unfolded_image": _written(pose.to_image(garment.outline)),
         "outline_image": _written(outline),
         "landmarks": _landmarks(garment, layers, pose, masks, outline, parameters),
     }
+    if folds:
+        first = folds[0]
+        truth |= {
+            "scenario": first.scenario,
+            "flap_fraction": round(first.fraction, 4),
+            "flap_under": first.under,
+            "axis_garment": _written(first.turn.axis * scale),
+            "axis_image": _written(pose.to_image(first.turn.axis)),
+            "creases_image": [_written(pose.to_image(piece)) for piece in crease_pieces(folds)],
+        }
     if len(folds) > 1:
         second = folds[1]
         truth["second_fold"] = {
