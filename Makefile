@@ -71,8 +71,9 @@ wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/
 	@ls dist
 
 .PHONY: picture
-picture: demo ## Draw the picture of the README: docs/images/demo.webp
+picture: demo ## Draw the pictures of README and documentation: docs/images
 	$(BIN)/python docs/draw_picture.py
+	$(BIN)/python docs/draw_tutorial.py
 
 .PHONY: picture-report
 picture-report: $(VENV)/.built ## Draw the picture of the page of results: docs/images/report.webp (needs Chromium)

@@ -17,7 +17,7 @@ Points = NDArray[np.float64]
 
 _SIDE_SAMPLES = 24
 _SIDE_PART = (0.15, 0.85)  # of a side that its line is fitted to: corners are rounded
-_TOLERANCES = np.geomspace(0.12, 0.008, 40)  # tried for a number of corners, of the size
+_FACTORS = np.geomspace(1.0, 4.0, 20)  # on the usual tolerance, tried for a given number of corners
 
 
 def corners_of(cut: Halves, tolerance: float, symmetric: bool, parameters: DraftParameters) -> Places:
@@ -58,8 +58,10 @@ def salient_corners(cut: Halves, count: int, symmetric: bool, parameters: DraftP
     if count == 0:
         return corners_of(cut, parameters.corner_tolerance, symmetric, parameters)
     offered: set[int] = set()
-    for tolerance in _TOLERANCES:
-        places = corners_of(cut, float(tolerance), symmetric, parameters)
+    # The usual tolerance first, then farther and farther from it, so that the corners shown are those named.
+    for factor in np.stack([_FACTORS, 1 / _FACTORS], axis=1).ravel():
+        tolerance = float(factor) * parameters.corner_tolerance
+        places = corners_of(cut, tolerance, symmetric, parameters)
         if len(places) == count:
             return places
         offered.add(len(places))

@@ -15,7 +15,7 @@ from foldrs.drafting.halves import Halves, Places, halves, mirrored
 from foldrs.drafting.matching import matched
 from foldrs.drafting.pairs import generic_names, grasp_pairs, mirror_pairs
 from foldrs.drafting.parameters import DraftParameters
-from foldrs.drafting.places import apart, joined, marked_places
+from foldrs.drafting.places import apart, joined, marked_places, snapped
 from foldrs.drafting.symmetry import MirrorAxis, mirror_axis
 from foldrs.drafting.upright import as_given, map_to_upright
 from foldrs.errors import ParameterError
@@ -121,7 +121,7 @@ def draft_template(
         spots = [apply(to_upright, parse_point(at, f"landmarks.{n}")[None])[0] for n, at in landmarks.items()]
         marked = marked_places(cut, names, np.array(spots).reshape(-1, 2), places, p)
     else:
-        marked = salient_corners(cut, len(landmarks), has_axis, p)
+        marked = snapped(salient_corners(cut, len(landmarks), has_axis, p), places, p.same_corner)
         names = list(landmarks) or generic_names(marked)
     # Landmarks are corners of the template, and so are their mirror images.
     places = joined(places, marked)

@@ -42,7 +42,7 @@ class DraftParameters:
     corner_tolerance: float = 0.035
     """Tolerance of the simplification whose corners become landmarks, of the size: 2 cm. Corners that stand
     out less are bends, not places to grasp."""
-    same_corner: float = 0.02
+    same_corner: float = 0.03
     """Corners this near, of the half, are one; one so near to the mirror axis lies on it."""
     snap: float = 0.05
     """A landmark marked by hand is moved to a corner this near, of the size, else to the outline."""

@@ -47,6 +47,15 @@ def joined(places: Places, more: Places, gap: float = _SAME_PLACE) -> Places:
     return np.unique(np.concatenate([places, new]))
 
 
+def snapped(places: Places, corners: Places, reach: float) -> Places:
+    """Return places, each moved to the nearest corner within reach: simplified more, a corner may slip."""
+    nearest = [float(corners[apart(corners, place).argmin()]) for place in places]
+    found = np.array(
+        [c if apart(np.array([c]), p)[0] < reach else p for c, p in zip(nearest, places, strict=True)]
+    )
+    return found if len(np.unique(found)) == len(found) else places
+
+
 def apart(places: Places, place: float) -> Places:
     """Differences of places around the outline."""
     return np.asarray(np.abs(np.mod(places - place + 1.0, 2.0) - 1.0), dtype=np.float64)
