@@ -38,9 +38,9 @@ def mirror_axis(outline: Points, parameters: DraftParameters) -> MirrorAxis:
     parameters : DraftParameters
     """
     size = math.sqrt(abs(_core.signed_area(outline)))
-    points = outline = _core.resample(outline, parameters.axis_points)
+    points = _core.resample(outline, parameters.axis_points)
     angles = np.pi * np.arange(parameters.directions) / parameters.directions
-    found = [_settled(outline, points, angle, size, parameters) for angle in angles]
+    found = [_settled(points, angle, size, parameters) for angle in angles]
     least = min(one.deviation for one in found)
     factor, more = parameters.axis_tie
     good = [one for one in found if one.deviation <= factor * least + more]
@@ -48,18 +48,16 @@ def mirror_axis(outline: Points, parameters: DraftParameters) -> MirrorAxis:
     return min(good, key=lambda one: (round(_slope(one.axis), 2), one.deviation))
 
 
-def _settled(
-    outline: Points, points: Points, angle: float, size: float, parameters: DraftParameters
-) -> MirrorAxis:
+def _settled(points: Points, angle: float, size: float, parameters: DraftParameters) -> MirrorAxis:
     """Follow the axis from a direction through the middle to the best symmetry near it."""
     axis = _line(points.mean(axis=0), angle)
     first, last = parameters.posed
     for step in range(parameters.axis_iterations):
-        nearest, distance, _ = _core.nearest_on_outline(outline, _core.reflect(points, axis))
+        nearest, distance, _ = _core.nearest_on_outline(points, _core.reflect(points, axis))
         share = step / (parameters.axis_iterations - 1)
         reach = size * first ** (1 - share) * last**share
         axis = _best_axis(points, nearest, (1.0 + (distance / reach) ** 2) ** -2)
-    deviation = 1.0 - _core.outline_iou(outline, _core.reflect(outline, axis))
+    deviation = 1.0 - _core.outline_iou(points, _core.reflect(points, axis))
     return MirrorAxis(axis if axis[0, 1] <= axis[1, 1] else axis[::-1].copy(), deviation)
 
 
