@@ -93,6 +93,7 @@ sdist: $(VENV)/.tools ## Pack the sources as they would be published: dist/
 picture: demo ## Draw the pictures of README and docs: docs/images
 	$(BIN)/python docs/draw_picture.py
 	$(BIN)/python docs/draw_camera.py
+	$(BIN)/python docs/draw_tutorial.py
 
 .PHONY: picture-report
 picture-report: $(VENV)/.built ## Draw the picture of the page of results: docs/images/report.webp (needs Chromium)

@@ -294,9 +294,17 @@ class FlexibleTemplate:
     """A template prepared for the joint fit: its corners with a prior on how far they move."""
 
     def __new__(
-        cls, outline: _Points, mirror_from: _Points, mirror_to: _Points, parameters: Mapping[str, Any]
+        cls,
+        outline: _Points,
+        mirror_from: _Points,
+        mirror_to: _Points,
+        parameters: Mapping[str, Any],
+        spread: Sequence[float] | None = None,
     ) -> FlexibleTemplate:
-        """Prepare a template; points of `mirror_from` are mirror images of those of `mirror_to`."""
+        """Prepare a template; points of `mirror_from` are mirror images of those of `mirror_to`.
+
+        `spread` says, one value a vertex, how far each may lie from its place; else `shape` does.
+        """
 
 @final
 class JointExplanation:

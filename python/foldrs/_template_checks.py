@@ -87,6 +87,15 @@ def check_grasp_pairs(pairs: Pairs, landmarks: Mapping[str, object]) -> None:
         seen.add(frozenset(pair))
 
 
+def check_spread(spread: Mapping[str, float], landmarks: Mapping[str, object]) -> None:
+    """Refuse unknown landmarks and spreads that are not positive."""
+    for name, value in spread.items():
+        if name not in landmarks:
+            raise field_error(f"spread.{name}", "is no landmark of this template")
+        if not (math.isfinite(value) and value > 0):
+            raise field_error(f"spread.{name}", f"must be a positive number, not {value}")
+
+
 def _check_names(field: str, pairs: Pairs, landmarks: Mapping[str, object]) -> None:
     for i, pair in enumerate(pairs):
         for j, name in enumerate(pair):

@@ -58,6 +58,18 @@ def parse_landmarks(value: object, field: str) -> dict[str, npt.NDArray[np.float
     return {parse_word(name, field): parse_point(point, f"{field}.{name}") for name, point in value.items()}
 
 
+def parse_lengths(value: object, field: str) -> dict[str, float]:
+    """Return ``{name: number}`` as a dict of positive numbers, in the order given."""
+    if not isinstance(value, Mapping):
+        raise field_error(field, f"must map names to lengths, not {shown(value)}")
+    found = {}
+    for name, number in value.items():
+        if isinstance(number, bool) or not isinstance(number, Real) or not 0 < float(number) < math.inf:
+            raise field_error(f"{field}.{name}", f"must be a positive number, not {shown(number)}")
+        found[parse_word(name, field)] = float(number)
+    return found
+
+
 def parse_pairs(value: object, field: str) -> Pairs:
     """Return a list of ``[name, name]`` as tuples."""
     pairs: list[tuple[str, str]] = []

@@ -55,7 +55,7 @@ class InvalidOutlineError(OutlineError):
 
 
 class TemplateError(FoldrsError, ValueError):
-    """A template file or object is not valid.
+    """A template file or object is not valid, or an annotation that a template is to be made of.
 
     Attributes
     ----------

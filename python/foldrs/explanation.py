@@ -40,6 +40,10 @@ class Explanation:
     """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie
     where `to_image` puts them."""
 
+    weight: float = 1.0
+    """Share of its kind's prior probability that stands behind it, of 1: less where the kind has several
+    templates (:mod:`foldrs.alternatives`)."""
+
     @property
     def accepted(self) -> bool:
         """Whether the folds explain the outline better than the unfolded template."""

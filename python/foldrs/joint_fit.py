@@ -72,7 +72,22 @@ def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _cor
     marks = template.landmarks
     one = np.array([marks[a] for a, _ in template.symmetry]).reshape(-1, 2)
     other = np.array([marks[b] for _, b in template.symmetry]).reshape(-1, 2)
-    return _core.FlexibleTemplate(template.outline, one, other, parameters)
+    return _core.FlexibleTemplate(template.outline, one, other, parameters, vertex_spreads(template))
+
+
+def vertex_spreads(template: Template) -> list[float] | None:
+    """Spread of every vertex of a template's outline, between landmarks by its way along the outline.
+
+    None if the template tells no spread.
+    """
+    if not template.spread:
+        return None
+    marks = np.array([template.landmarks[name] for name in template.spread])
+    outline = template.outline
+    _, _, arcs = _core.nearest_on_outline(outline, np.vstack([marks, outline]))
+    length = float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum())
+    known, vertices = arcs[: len(marks)], arcs[len(marks) :]
+    return [float(s) for s in np.interp(vertices, known, list(template.spread.values()), period=length)]
 
 
 def axis_on(outline: Points, fit: _core.JointExplanation) -> Points | None:

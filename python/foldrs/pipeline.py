@@ -147,7 +147,7 @@ def fit(
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, folds, parameters)
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp
-    best = distinct(explanations, parameters.alternatives)
+    best = distinct(explanations, chosen, temperature, parameters.alternatives)
     if not best:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "

@@ -39,7 +39,11 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
     'with "size_cm" (longer side) or else as large as the templates of the kind.',
 )
 @click.option(
-    "--folds", type=click.IntRange(0, 2), default=1, show_default=True, help="Folds of every garment."
+    "--folds",
+    type=click.IntRange(0, 2),
+    default=1,
+    show_default=True,
+    help="Folds of every garment; 0: flat and nearly upright, to make templates of.",
 )
 @click.option(
     "--scenario",

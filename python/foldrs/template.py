@@ -19,7 +19,7 @@ import functools
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from types import MappingProxyType
@@ -32,6 +32,7 @@ from foldrs import _core
 from foldrs._template_checks import (
     check_grasp_pairs,
     check_outline,
+    check_spread,
     check_symmetry,
     read_only,
     snap_landmarks,
@@ -40,6 +41,7 @@ from foldrs._template_fields import (
     Pairs,
     field_error,
     parse_landmarks,
+    parse_lengths,
     parse_pairs,
     parse_points,
     parse_word,
@@ -51,7 +53,7 @@ from foldrs.errors import TemplateError
 SCHEMA = 1
 """Version of the template file format that is read and written."""
 
-_FIELDS = ("schema", "type", "units", "outline", "landmarks", "symmetry", "grasp_pairs")
+_FIELDS = ("schema", "type", "units", "outline", "landmarks", "symmetry", "grasp_pairs", "spread")
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +79,10 @@ class Template:
         Landmarks that are mirror images of each other. One on the mirror axis may be paired with itself.
     grasp_pairs : tuple of (str, str)
         Pairs of landmarks to grasp the garment by, the one with the most natural unfolded state first.
+    spread : mapping of str to float
+        How far landmarks of garments of the kind lie from where this template has them: standard deviation
+        of each coordinate, after the garments were laid upon each other, in the template's units. Where it
+        is empty the joint fit's parameter ``shape`` holds for all.
 
     Raises
     ------
@@ -92,6 +98,7 @@ class Template:
     landmarks: Mapping[str, npt.NDArray[np.float64]]
     symmetry: Pairs = ()
     grasp_pairs: Pairs = ()
+    spread: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         outline = read_only(self.outline)
@@ -99,15 +106,17 @@ class Template:
         landmarks = snap_landmarks(outline, self.landmarks)
         check_symmetry(self.symmetry, landmarks)
         check_grasp_pairs(self.grasp_pairs, landmarks)
+        check_spread(self.spread, landmarks)
         # The way round a frozen dataclass's own lock: only here, before anyone else holds the object.
         object.__setattr__(self, "outline", outline)
         object.__setattr__(self, "landmarks", MappingProxyType(landmarks))
+        object.__setattr__(self, "spread", MappingProxyType(dict(self.spread)))
 
     def __reduce__(self) -> tuple[type[Template], tuple[object, ...]]:
         """Pickle by the constructor's arguments (the read-only mapping cannot be pickled as it is)."""
         landmarks = dict(self.landmarks)
         arguments = (self.name, self.garment_type, self.units, self.outline, landmarks)
-        return Template, (*arguments, self.symmetry, self.grasp_pairs)
+        return Template, (*arguments, self.symmetry, self.grasp_pairs, dict(self.spread))
 
     @property
     def landmark_array(self) -> npt.NDArray[np.float64]:
@@ -127,8 +136,9 @@ class Template:
         ----------
         data : mapping
             ``schema`` (1), ``type``, ``units``, ``outline`` ``[[x, y], ...]``, ``landmarks``
-            ``{name: [x, y], ...}``, optionally ``symmetry`` ``[[name, name], ...]``, and ``grasp_pairs``
-            ``[[name, name], ...]``, best first. Further fields are ignored.
+            ``{name: [x, y], ...}``, optionally ``symmetry`` ``[[name, name], ...]``, ``grasp_pairs``
+            ``[[name, name], ...]``, best first, and optionally ``spread`` ``{name: number, ...}``. Further
+            fields are ignored.
         name : str
             Name of the template.
 
@@ -165,6 +175,7 @@ class Template:
             landmarks=parse_landmarks(required(data, "landmarks"), "landmarks"),
             symmetry=parse_pairs(data.get("symmetry", ()), "symmetry"),
             grasp_pairs=parse_pairs(required(data, "grasp_pairs"), "grasp_pairs"),
+            spread=parse_lengths(data.get("spread", {}), "spread"),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -177,6 +188,7 @@ class Template:
             "landmarks": {name: point.tolist() for name, point in self.landmarks.items()},
             "symmetry": [list(pair) for pair in self.symmetry],
             "grasp_pairs": [list(pair) for pair in self.grasp_pairs],
+            **({"spread": dict(self.spread)} if self.spread else {}),
         }
 
 
@@ -268,7 +280,7 @@ def _unique(items: list[tuple[str, object]]) -> dict[str, object]:
     found: dict[str, object] = {}
     for name, value in items:
         if name in found:
-            # The only object inside a template is the one of its landmarks.
+            # The objects inside a template are those of its landmarks, by name.
             field = name if name in _FIELDS else f"landmarks.{name}"
             raise field_error(field, "given twice; names must be unique")
         found[name] = value
@@ -278,13 +290,15 @@ def _unique(items: list[tuple[str, object]]) -> dict[str, object]:
 def _to_json(data: Mapping[str, object]) -> str:
     """Return JSON that a person can read and edit: one point, landmark or pair a line."""
     fields = []
-    for field, value in data.items():
+    for key, value in data.items():
         text = json.dumps(value, ensure_ascii=False)
         if isinstance(value, list):
             lines = [f"    {json.dumps(item, ensure_ascii=False)}" for item in value]
             text = "[\n" + ",\n".join(lines) + "\n  ]" if lines else "[]"
         elif isinstance(value, dict):
-            lines = [f"    {json.dumps(key, ensure_ascii=False)}: {json.dumps(value[key])}" for key in value]
+            lines = [
+                f"    {json.dumps(name, ensure_ascii=False)}: {json.dumps(value[name])}" for name in value
+            ]
             text = "{\n" + ",\n".join(lines) + "\n  }" if lines else "{}"
-        fields.append(f'  "{field}": {text}')
+        fields.append(f'  "{key}": {text}')
     return "{\n" + ",\n".join(fields) + "\n}\n"

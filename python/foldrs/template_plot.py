@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +42,7 @@ def draw_template(template: Template, ax: Axes | None = None) -> Axes:
         The axes drawn in, in template units.
     """
     if ax is None:
-        ax = _new_figure().add_subplot()
+        ax = new_figure(9, 7).add_subplot()
     low, high = template.outline.min(axis=0), template.outline.max(axis=0)
     size = float((high - low).max())
     closed = np.vstack([template.outline, template.outline[:1]])
@@ -70,9 +69,13 @@ def save_template_picture(template: Template, path: str | os.PathLike[str]) -> N
     TemplateError
         If the picture cannot be written: no such folder, or a suffix that names no picture format.
     """
-    path = Path(path)
-    figure = _new_figure()
+    figure = new_figure(9, 7)
     draw_template(template, figure.add_subplot())
+    write_figure(figure, path)
+
+
+def write_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure, cut to what is drawn; raises TemplateError if that cannot be done."""
     try:
         figure.savefig(path, dpi=110, bbox_inches="tight")
     except OSError as error:
@@ -81,11 +84,11 @@ def save_template_picture(template: Template, path: str | os.PathLike[str]) -> N
         raise TemplateError(f"{path}: the picture cannot be written ({error})") from error
 
 
-def _new_figure() -> Figure:
-    # Figures made this way are unknown to pyplot: no window, nothing to close, safe in threads.
+def new_figure(width: float, height: float) -> Figure:
+    """Return a figure of that many inches that is unknown to pyplot: no window, nothing to close."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(9, 7), layout="constrained")
+    return Figure(figsize=(width, height), layout="constrained")
 
 
 def _draw_symmetry_axis(ax: Axes, template: Template, size: float) -> None:

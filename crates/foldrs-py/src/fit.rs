@@ -16,11 +16,13 @@ pub(crate) struct PyFlexibleTemplate(FlexibleTemplate);
 #[pymethods]
 impl PyFlexibleTemplate {
     #[new]
+    #[pyo3(signature = (outline, mirror_from, mirror_to, parameters, spread=None))]
     fn new(
         outline: PyReadonlyArray2<'_, f64>,
         mirror_from: PyReadonlyArray2<'_, f64>,
         mirror_to: PyReadonlyArray2<'_, f64>,
         parameters: &Bound<'_, PyAny>,
+        spread: Option<Vec<f64>>,
     ) -> PyResult<Self> {
         let (from, to) = (points(&mirror_from)?, points(&mirror_to)?);
         if from.len() != to.len() {
@@ -28,11 +30,14 @@ impl PyFlexibleTemplate {
         }
         let pairs: Vec<[Point; 2]> = from.into_iter().zip(to).map(|(a, b)| [a, b]).collect();
         let parameters = crate::matching::parameters(parameters)?;
-        Ok(Self(FlexibleTemplate::new(
-            &self::outline(&outline)?,
-            &pairs,
-            &parameters.fit,
-        )))
+        let template = FlexibleTemplate::new(&self::outline(&outline)?, &pairs, &parameters.fit);
+        let Some(spread) = spread else {
+            return Ok(Self(template));
+        };
+        template
+            .with_spread(&spread, &parameters.fit)
+            .map(Self)
+            .ok_or_else(|| PyValueError::new_err("spreads must be positive, one a vertex of the outline"))
     }
 }
 

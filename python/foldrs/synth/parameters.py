@@ -60,7 +60,10 @@ class SynthParameters:
     """RMS of the small waves of the garment's rim."""
 
     folds: int = 1
-    """Number of folds, 0 to 2."""
+    """Number of folds, 0 to 2; without any it lies face up and nearly upright, as laid out for a picture."""
+
+    flat_turn_deg: float = 15.0
+    """Largest angle by which such a garment lies turned, degrees: by hand none lies straight."""
 
     scenarios: tuple[str, ...] = SCENARIOS
     """The ways of drawing the fold line to choose from, equally likely; one named twice is more likely.
@@ -174,6 +177,7 @@ class SynthParameters:
         self._check("depth_noise_cm", self.depth_noise_cm, 0, 10)
         self._check("contrast", self.contrast, 0, 60)
         self._check("noise", self.noise, 0, 64)
+        self._check("flat_turn_deg", self.flat_turn_deg, 0, 180)
         if self.folds not in (0, 1, 2):
             raise ParameterError(f"folds is {self.folds}: scenes are folded 0, 1 or 2 times.")
         for name, known in (("scenarios", SCENARIOS), ("tables", TABLES), ("cloths", CLOTHS)):

@@ -104,11 +104,14 @@ def draw_pose(rings: list[Points], rng: np.random.Generator, parameters: SynthPa
     waves = (2 * np.pi / length * np.array([np.cos(direction[0]), np.sin(direction[0])])).T
     amplitudes = size * np.array([np.cos(direction[1]), np.sin(direction[1])]).T
     phases = rng.uniform(0.0, 2 * np.pi, _WAVES)
-    face = np.diag([-1.0 if rng.random() < parameters.mirrored else 1.0, 1.0])
+    flat = parameters.folds == 0
+    face = np.diag([-1.0 if rng.random() < parameters.mirrored and not flat else 1.0, 1.0])
+    turned = np.radians(parameters.flat_turn_deg)
+    turns = (-turned, turned) if flat else (0.0, 2 * np.pi)
     room = np.array(parameters.image_size, dtype=np.float64) - 1
     margin = parameters.margin_cm * parameters.px_per_cm
     for _ in range(_TURNS):
-        turn = rng.uniform(0.0, 2 * np.pi)
+        turn = rng.uniform(*turns)
         rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         pose = Pose(waves, amplitudes, phases, parameters.px_per_cm * rotation @ face, np.zeros(2))
         seen = pose.to_image(points)

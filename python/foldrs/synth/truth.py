@@ -50,7 +50,7 @@ def describe(
     garment : Garment
         The unfolded garment, cm.
     folds : list of Fold
-        The folds, first made first.
+        The folds, first made first; none of a flat garment.
     layers : list of Layer
         The layers of cloth, lowest first.
     pose : Pose

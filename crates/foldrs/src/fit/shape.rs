@@ -80,6 +80,29 @@ impl FlexibleTemplate {
         }
     }
 
+    /// The same template with a spread of its own for every corner, in the template's units, instead of the one of
+    /// all corners ([`FitParameters::shape`]).
+    ///
+    /// `spread` holds one value a vertex of the outline given. `None` unless there are so many, all positive and finite.
+    pub fn with_spread(mut self, spread: &[f64], parameters: &FitParameters) -> Option<Self> {
+        let count = self.vertices.len();
+        if spread.len() != count || !spread.iter().all(|s| s.is_finite() && *s > 0.0) {
+            return None;
+        }
+        let shape = (parameters.shape * self.area.sqrt()).powi(-2);
+        for (i, vertex) in self.vertices.iter().enumerate() {
+            // Vertices between the corners move along with them.
+            if vertex.along == 0.0 && vertex.across == 0.0 {
+                let given = if self.reversed { (count - i) % count } else { i };
+                for k in [2 * vertex.edge, 2 * vertex.edge + 1] {
+                    self.precision[(k, k)] += spread[given].powi(-2) - shape;
+                }
+            }
+        }
+        self.log_det = log_determinant(&self.precision)?;
+        Some(self)
+    }
+
     /// All vertices of the template when its corners are moved, in the order of the outline given.
     pub(super) fn bent(&self, corners: &[Point]) -> Vec<Point> {
         let mut bent: Vec<Point> = self
@@ -197,6 +220,50 @@ mod tests {
         let skewed = DVector::from_vec(vec![2.0, 0.0, 2.0, 0.0, -2.0, 0.0, -2.0, 0.0]);
         assert!(template.cost(&wider) < template.cost(&skewed));
         assert_eq!(template.cost(&DVector::zeros(8)), 0.0);
+    }
+
+    #[test]
+    fn a_corner_of_larger_spread_moves_for_less() {
+        let parameters = FitParameters::default();
+        let moved = |corner: usize| {
+            let mut d = DVector::zeros(8);
+            d[2 * corner] = 3.0;
+            d
+        };
+        let usual = parameters.shape * trapezium().area.sqrt();
+        let same = trapezium().with_spread(&[usual; 4], &parameters).unwrap();
+        assert!((same.cost(&moved(0)) - trapezium().cost(&moved(0))).abs() < 1e-9);
+        assert!((same.log_det - trapezium().log_det).abs() < 1e-9);
+        let loose = trapezium()
+            .with_spread(&[4.0 * usual, usual, usual, usual], &parameters)
+            .unwrap();
+        assert!(loose.cost(&moved(0)) < trapezium().cost(&moved(0)));
+        assert!((loose.cost(&moved(1)) - trapezium().cost(&moved(1))).abs() < 1e-9);
+    }
+
+    #[test]
+    fn spreads_follow_their_vertices_whichever_way_round() {
+        let parameters = FitParameters::default();
+        let p = [(-20.0, 0.0), (20.0, 0.0), (30.0, 50.0), (-30.0, 50.0)].map(|(x, y)| Point::new(x, y));
+        let spread = [1.0, 2.0, 4.0, 8.0];
+        let one = FlexibleTemplate::new(&Outline::new(p.to_vec()).unwrap(), &[], &parameters);
+        let other = [0, 3, 2, 1];
+        let turned = Outline::new(other.map(|k| p[k]).to_vec()).unwrap();
+        let turned = FlexibleTemplate::new(&turned, &[], &parameters);
+        let one = one.with_spread(&spread, &parameters).unwrap();
+        let turned = turned
+            .with_spread(&other.map(|k| spread[k]), &parameters)
+            .unwrap();
+        assert!((one.precision - turned.precision).norm() < 1e-9);
+    }
+
+    #[test]
+    fn spreads_that_cannot_be_are_refused() {
+        let parameters = FitParameters::default();
+        assert!(trapezium().with_spread(&[1.0; 3], &parameters).is_none());
+        assert!(trapezium()
+            .with_spread(&[1.0, 1.0, 0.0, 1.0], &parameters)
+            .is_none());
     }
 
     proptest::proptest! {
