@@ -13,7 +13,7 @@ from foldrs.evaluation import Evaluation
 from foldrs.evaluation.scenes import load_scenes
 from foldrs.explanation import Explanation
 from foldrs.parameters import AlternativeParameters
-from foldrs.result import FittedTemplate
+from foldrs.result import FittedTemplate, Fold
 from foldrs.synth import make_scene
 from foldrs.template import Template, builtin_templates
 
@@ -28,7 +28,7 @@ def explained(template: Template, cost: float, offset: float = 0.0) -> Explanati
     fitted = FittedTemplate(template.outline, dict(template.landmarks), axis)
     to_image = np.array([[1.0, 0.0, offset], [0.0, 1.0, 0.0]])
     crease = axis + np.array([offset, 0.0])
-    return Explanation(template, axis, fitted, to_image, crease, cost, cost, np.inf)
+    return Explanation(template, axis, fitted, to_image, (Fold(crease, axis),), cost, cost, np.inf)
 
 
 def probabilities(explanations: list[Explanation], templates: list[Template]) -> list[tuple[str, float]]:

@@ -63,10 +63,9 @@ class FittedTemplate:
 class Fold:
     """One fold: the crease in the image and the axis on the fitted template.
 
-     Both lie where the fold was made, in the frame of the part of the garment that no fold turned over: the
-     garment unfolded again where it lies, and folded over all creases in their order, is what is seen. Of the
-     last fold that is the crease seen; an earlier one may have been turned over since, in part or whole
-    .
+    Both lie where the fold was made, in the frame of the part of the garment that no fold turned over: the
+    garment unfolded again where it lies, and folded over all creases in their order, is what is seen. Of the
+    last fold that is the crease seen; an earlier one may have been turned over since, in part or whole.
     """
 
     axis_image: Points
