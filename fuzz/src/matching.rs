@@ -17,7 +17,7 @@ pub fn alignment(data: &[u8]) {
         starts: usize::from(bytes.byte()) % 24,
     };
     let bound = Some(f64::from(bytes.byte()) / 100.0).filter(|bound| *bound < 2.0);
-    let any = bytes.byte() % 4 == 0;
+    let any = bytes.byte().is_multiple_of(4);
     let values: Vec<f32> = (0..rows * columns)
         .map(|_| {
             if any {
@@ -126,7 +126,7 @@ pub fn explain(data: &[u8]) {
         _ => Some(1.0),
     };
     let pairs = mirror_pairs(&mut bytes);
-    let with_picture = bytes.byte() % 2 == 0;
+    let with_picture = bytes.byte().is_multiple_of(2);
     let (Some(template), Some(outline)) = (bytes.outline(20), bytes.outline(32)) else {
         return;
     };
