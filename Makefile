@@ -8,6 +8,7 @@ MAKEFLAGS += --no-builtin-rules
 
 VENV := .venv
 BIN := $(VENV)/bin
+SECONDS_EACH ?= 600
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -name README.md) Cargo.toml Cargo.lock
 
 # pyo3 compiles against the environment's Python, whichever others are on the PATH.
@@ -76,6 +77,14 @@ bench: $(VENV)/.built ## Measure the speed of every step
 .PHONY: crate
 crate: ## Package the crate as it would be published, and build it from the package alone
 	cargo package --locked --quiet --allow-dirty --package foldrs
+
+.PHONY: fuzz
+fuzz: ## Look for inputs that break a promise: SECONDS_EACH a target (needs cargo-fuzz and a C++ compiler)
+	@cargo fuzz --version >/dev/null 2>&1 || { echo "cargo fuzz is missing: cargo install cargo-fuzz" >&2; exit 1; }
+	@for target in outline fold inner_distance alignment template explain; do \
+	    echo "== $$target"; mkdir -p target/fuzz/$$target; \
+	    cargo fuzz run --sanitizer none $$target target/fuzz/$$target fuzz/corpus/$$target -- \
+	        -max_total_time=$(SECONDS_EACH) -max_len=700 -timeout=20 -rss_limit_mb=1024; done
 
 .PHONY: wheel
 wheel: $(VENV)/.tools ## Build a wheel for every Python from 3.10 on: dist/

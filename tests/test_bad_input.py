@@ -280,12 +280,16 @@ def test_one_good_picture_among_bad_ones(photos: Path, scene: Scene, tmp_path: P
     assert done.exit_code == 1
     assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["towel.jpg"]
     *reports, total = done.stderr.splitlines()
-    assert total == f"{len(bad)} of {len(bad) + 1} images failed"
+    errors = tmp_path / "out" / "errors.jsonl"
+    assert total == f"{len(bad)} of {len(bad) + 1} images failed, listed in {errors}"
+    listed = [json.loads(line) for line in errors.read_text().splitlines()]
+    assert sorted(entry["image"] for entry in listed) == sorted(str(photos / name) for name in bad)
+    assert {f"{entry['image']}: {entry['message']}" for entry in listed} == set(reports)
     assert sorted(line.split(": ")[0] for line in reports) == sorted(str(photos / name) for name in bad)
     for flaw, (_, words, _) in bad_pictures(scene).items():
         (report,) = (line for line in reports if f"{flaw}.png" in line)
         assert words in report
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["towel.json"]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"towel.json", "errors.jsonl"}
     assert json.loads((tmp_path / "out" / "towel.json").read_text())["garment_type"] == "towel"
 
 
@@ -301,7 +305,7 @@ def test_a_defect_costs_one_image_only(photos: Path, tmp_path: Path, monkeypatch
     done = command(photos / "text.jpg", photos / "towel.jpg", "--out", tmp_path / "out")
     assert done.exit_code == 1
     assert f"{photos / 'text.jpg'}: IndexError: beyond the end" in done.stderr
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["towel.json"]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"towel.json", "errors.jsonl"}
 
 
 def test_a_garment_at_the_border_is_named_in_the_warning(tmp_path: Path, scene: Scene) -> None:
@@ -323,7 +327,7 @@ def test_results_are_written_whole_or_not_at_all(photos: Path, tmp_path: Path) -
     done = command(photos / "towel.jpg", "--out", tmp_path / "out")
     assert done.exit_code == 1
     assert "towel.jpg: " in done.stderr
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["towel.json"]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"towel.json", "errors.jsonl"}
     assert not list((tmp_path / "out" / "towel.json").iterdir())
 
 

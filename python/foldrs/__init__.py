@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING, Any
 from foldrs._core import __version__
 
 if TYPE_CHECKING:
+    from foldrs.batch import fit_many
     from foldrs.parameters import Parameters
     from foldrs.pipeline import fit
     from foldrs.result import FitResult
+    from foldrs.tables import table
     from foldrs.template import Template, builtin_templates, load_template, save_template
 
 __all__ = [
@@ -29,8 +31,10 @@ __all__ = [
     "__version__",
     "builtin_templates",
     "fit",
+    "fit_many",
     "load_template",
     "save_template",
+    "table",
 ]
 
 _HOME = {
@@ -39,8 +43,10 @@ _HOME = {
     "Template": "template",
     "builtin_templates": "template",
     "fit": "pipeline",
+    "fit_many": "batch",
     "load_template": "template",
     "save_template": "template",
+    "table": "tables",
 }
 
 

@@ -103,6 +103,7 @@ def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
         Options contradict each other.
     """
     from foldrs.camera import TablePlane, load_camera, load_homography, load_pose
+    from foldrs.depth import read_depth
 
     reference = reference_of(options["marker_cm"], options["marker_family"], options["a4"])
     homography, calibration, pose_file = (options[name] for name in ("homography", "camera", "table_pose"))
@@ -113,7 +114,8 @@ def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
     if options["depth"] is not None and images > 1:
         raise click.UsageError("--depth goes with a single IMAGE")
 
-    known: dict[str, Any] = {"depth": options["depth"], "table": reference}
+    depth = None if options["depth"] is None else read_depth(options["depth"])
+    known: dict[str, Any] = {"depth": depth, "table": reference}
     if options["robot_base"] is not None:
         known["robot_base"] = load_pose(options["robot_base"])
     if homography is not None:

@@ -19,7 +19,15 @@ from __future__ import annotations
 
 
 class FoldrsError(Exception):
-    """Base of all errors raised by foldrs."""
+    """Base of all errors raised by foldrs.
+
+    Attributes
+    ----------
+    image : str
+        Name of the image, where :func:`foldrs.fit_many` yields the error; empty otherwise.
+    """
+
+    image: str = ""
 
 
 class ImageNotFoundError(FoldrsError, FileNotFoundError):
@@ -28,6 +36,10 @@ class ImageNotFoundError(FoldrsError, FileNotFoundError):
 
 class NotAnImageError(FoldrsError, ValueError):
     """The file or array cannot be read as an image."""
+
+
+class ImageTooLargeError(NotAnImageError):
+    """The image has more pixels than allowed; it was not decoded."""
 
 
 class OutlineError(FoldrsError, ValueError):
@@ -100,6 +112,18 @@ class NoHypothesisError(FoldrsError):
 
 class MissingExtraError(FoldrsError, ImportError):
     """What was asked for needs a package that is installed only on demand."""
+
+
+class FitTimeoutError(FoldrsError, TimeoutError):
+    """An image took longer than it was allowed to."""
+
+
+class WorkerLostError(FoldrsError, RuntimeError):
+    """The process that was at work on an image ended: killed, out of memory, or by a defect."""
+
+
+class OutputError(FoldrsError, OSError):
+    """A result would overwrite that of another image."""
 
 
 class GarmentCutOffWarning(UserWarning):

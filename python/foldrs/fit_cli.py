@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import sys
-import threading
-import warnings
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,78 +12,45 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from foldrs._camera_options import camera_options, known_of_table
+from foldrs._fit_told import Entry, reason, tell
 from foldrs._options import folds_option, px_per_cm_option, report_option, rerun_option, template_option
-from foldrs.errors import FoldrsError, GarmentCutOffWarning
+from foldrs.errors import FoldrsError, OutputError
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from foldrs.batch import Outcome
+    from foldrs.fit_files import Destination
+    from foldrs.fit_outputs import Show
     from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
-    from foldrs.template import Template
 
 _STAGES_SUFFIX = ".stages.png"
 
-_at_work = threading.local()
-"""Its `image` is the one that this thread is at work on."""
+_CONNECTING = "20s"
+"""How long a Dask scheduler is waited for."""
 
+_HELP = """\
+Fit foldable templates to photographs of folded garments.
 
-@dataclass(frozen=True)
-class FitJob:
-    """What is the same for every image of one call."""
+A bad image does not stop the others: it is reported, and the exit status is 1 at the end.
+A batch that was interrupted, or killed, is taken up again with --resume.
 
-    templates: list[Template]
-    px_per_cm: float | None
-    folds: Folds
-    method: Literal["best", "paper"]
-    mask: Path | None
-    out: Path | None
-    plot: bool
-    plot_stages: bool
-    known: dict[str, Any]
-    """Of table and camera: arguments of `foldrs.fit`."""
+\b
+Examples:
+  foldrs fit photo.jpg
+  foldrs fit photos/*.jpg --out results --plot
+  foldrs fit photos/*.jpg --out results --resume --timeout 60
+  foldrs fit photo.jpg --type pants --px-per-cm 4
+  foldrs fit photos/*.jpg --jsonl | jq .garment_type
+  foldrs fit photos/*.jpg --out results --dask tcp://scheduler:8786
 
-    def run(self, image: Path) -> FitResult:
-        """Fit one image and write its files, the picture first: where there is a JSON file, all is there."""
-        from foldrs.pipeline import fit
-
-        _at_work.image = image
-        result = fit(
-            image,
-            templates=self.templates,
-            px_per_cm=self.px_per_cm,
-            folds=self.folds,
-            method=self.method,
-            mask=self.mask,
-            **self.known,
-        )
-        if self.out is not None:
-            if self.plot:
-                from foldrs.matching_details import matching_details
-                from foldrs.plot import save_picture
-
-                details = matching_details(result)
-                save_picture(result, image, self.out / f"{image.stem}.png", details=details)
-            if self.plot_stages:
-                from foldrs.stages_plot import save_stages
-
-                save_stages(self._published(result), image, self.out / f"{image.stem}{_STAGES_SUFFIX}")
-            result.save(self.out / f"{image.stem}.json")
-        return result
-
-    def _published(self, result: FitResult) -> FitResult:
-        """Explain the outline of a result by the published method, unless that is where it comes from."""
-        from foldrs.pipeline import fit
-
-        if result.stages:
-            return result
-        flat = result.from_above
-        published = fit(
-            (flat.result if flat else result).outline_image,
-            templates=self.templates,
-            px_per_cm=flat.px_per_cm if flat else self.px_per_cm,
-            method="paper",
-        )
-        published = replace(published, image=result.image)
-        return replace(published, from_above=replace(flat, result=published)) if flat else published
+\b
+Exit status:
+  0  every image has a result
+  1  an image, or another input, could not be used
+  2  the command was called wrongly; nothing was done
+"""
 
 
 class FitCommand(click.Command):
@@ -104,7 +68,7 @@ class FitCommand(click.Command):
         return super().parse_args(ctx, [*read, *args[end:]])
 
 
-@click.command("fit", cls=FitCommand)
+@click.command("fit", cls=FitCommand, help=_HELP)
 @click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="IMAGE...")
 @click.option("--type", "garment_type", metavar="KIND", help="Match templates of this kind only.")
 @template_option
@@ -117,6 +81,10 @@ class FitCommand(click.Command):
 @click.option(
     "--out", type=click.Path(path_type=Path, file_okay=False), help="Folder for STEM.json (and STEM.png)."
 )
+@click.option("--keep-folders", is_flag=True, help="Make the folders of the images again below --out.")
+@click.option(
+    "--resume", is_flag=True, help="Leave out images whose results in --out are whole and the same."
+)
 @click.option("--plot", is_flag=True, help="Also write the picture of the result to --out.")
 @click.option(
     "--plot-stages",
@@ -128,7 +96,14 @@ class FitCommand(click.Command):
 @rerun_option
 @camera_options
 @click.option("--timings", is_flag=True, help="Also print the seconds of every stage.")
+@click.option("--quiet", "told", flag_value="nothing", help="Print nothing but errors and warnings.")
+@click.option("--jsonl", "told", flag_value="json", help="Print every result, or error, as a line of JSON.")
 @click.option("--jobs", type=click.IntRange(1), help="Images and hypotheses at a time; default: all cores.")
+@click.option("--timeout", type=float, metavar="SECONDS", help="Give an image up that takes longer.")
+@click.option(
+    "--max-pixels", type=click.IntRange(1), help="Refuse larger images unread; default: 120 million pixels."
+)
+@click.option("--dask", metavar="ADDRESS", help="Run on the Dask cluster with this scheduler.")
 def fit_command(
     images: tuple[Path, ...],
     garment_type: str | None,
@@ -138,133 +113,220 @@ def fit_command(
     method: Literal["best", "paper"],
     mask: Path | None,
     out: Path | None,
+    keep_folders: bool,
+    resume: bool,
     plot: bool,
     plot_stages: bool,
     report: Path | None,
     rerun: Path | None,
     timings: bool,
+    told: Literal["nothing", "json"] | None,
     jobs: int | None,
+    timeout: float | None,
+    max_pixels: int | None,
+    dask: str | None,
     **placing: Any,
 ) -> None:
-    """Fit foldable templates to photographs of folded garments.
-
-    A bad image does not stop the others: it is reported, and the exit status is 1 at the end.
-    """
+    """Fit every image; `_HELP` is what the command tells of itself."""
     from foldrs.fit_outputs import open_outputs
-    from foldrs.pipeline import check_folds, check_scale, choose_templates
 
     if mask is not None and len(images) > 1:
         raise click.UsageError("--mask goes with a single IMAGE")
     plot = plot or plot_stages
-    if plot and out is None:
-        raise click.UsageError("--plot needs --out DIR to write to")
+    if out is None:
+        for wanted, name in ((plot, "--plot"), (resume, "--resume"), (keep_folders, "--keep-folders")):
+            if wanted:
+                raise click.UsageError(f"{name} needs --out DIR to write to")
+    if resume and (report is not None or rerun is not None):
+        raise click.UsageError("--report and --rerun show what is fitted now: leave --resume out")
+    if dask is not None and jobs is not None:
+        raise click.UsageError("--jobs goes without --dask: the cluster has its own number of workers")
     try:
-        check_scale(px_per_cm)
-        check_folds(folds, method)
-        chosen = choose_templates(templates or None, garment_type)
-        known = known_of_table(placing, len(images))
+        options = _fit_options(templates, garment_type, px_per_cm, folds, method, mask, max_pixels)
+        options |= known_of_table(placing, len(images))
+        _check_timeout(timeout)
+        destination = None
         if out is not None:
             files = (mask, *(path for path in placing.values() if isinstance(path, Path)))
-            read = (*images, *templates, *(path for path in files if path is not None))
-            suffixes = (".json", *((".png",) if plot else ()), *((_STAGES_SUFFIX,) if plot_stages else ()))
-            _check_outputs(images, out, suffixes, read)
-            out.mkdir(parents=True, exist_ok=True)
+            read = (*templates, *(path for path in files if path is not None))
+            destination = _destination(out, images, options, plot, plot_stages, keep_folders)
+            destination.check(read)
+            destination.prepare()
         outputs = open_outputs(images, report, rerun)
+    except OutputError as error:
+        raise click.UsageError(str(error)) from error
     except (FoldrsError, OSError) as error:
         raise click.ClickException(str(error)) from error
 
-    job = FitJob(chosen, px_per_cm, folds, method, mask, out, plot, plot_stages, known)
-    failed = 0
-    with _warnings_name_the_image(), outputs as show:
-        for image, outcome in _run_all(job, images, jobs):
-            if isinstance(outcome, BaseException):
-                failed += 1
-                click.secho(f"{image}: {_reason(outcome)}", fg="red", err=True)
-                show(image, None, _reason(outcome))
-                continue
-            show(image, outcome)
-            click.echo(_line(image, outcome))
-            if timings:
-                stages = ", ".join(f"{stage} {seconds:.3f} s" for stage, seconds in outcome.timings.items())
-                click.echo(f"  {stages}")
+    run = _Run(images, destination, options, jobs, timeout)
+    with _cluster(dask) if dask is not None else nullcontext() as executor, outputs as show:
+        entries = _shown(run.entries(resume, executor, quiet=told is not None), show)
+        failed = tell(entries, told, timings, None if destination is None else destination.errors)
     if failed:
-        click.echo(f"{failed} of {len(images)} images failed", err=True)
         sys.exit(1)
 
 
-def _check_outputs(images: Sequence[Path], out: Path, suffixes: Sequence[str], read: Sequence[Path]) -> None:
-    """Refuse a call that would write a file twice, or over a file that it reads."""
-    written: dict[Path, Path] = {}
-    inputs = {path.resolve() for path in read}
-    for image in images:
-        for suffix in suffixes:
-            path = out / f"{image.stem}{suffix}"
-            if path in written:
-                raise click.UsageError(
-                    f"{written[path]} and {image} would both be written to {path}: "
-                    "rename one, or use one call each with a folder of its own"
-                )
-            written[path] = image
-            if path.resolve() in inputs:
-                raise click.UsageError(
-                    f"{path} is read here and would be overwritten: use another folder for --out"
-                )
+def _fit_options(
+    templates: tuple[Path, ...],
+    garment_type: str | None,
+    px_per_cm: float | None,
+    folds: Folds,
+    method: Literal["best", "paper"],
+    mask: Path | None,
+    max_pixels: int | None,
+) -> dict[str, Any]:
+    """Check and read everything but the images: the options of :func:`foldrs.fit`."""
+    from foldrs.image import read_mask
+    from foldrs.parameters import Parameters
+    from foldrs.pipeline import check_folds, check_scale, choose_templates
+
+    check_scale(px_per_cm)
+    check_folds(folds, method)
+    parameters = Parameters()
+    if max_pixels is not None:
+        parameters = replace(parameters, outline=replace(parameters.outline, max_pixels=max_pixels))
+    return {
+        "templates": choose_templates(templates or None, garment_type),
+        "px_per_cm": px_per_cm,
+        "folds": folds,
+        "method": method,
+        "mask": None if mask is None else read_mask(mask, parameters.outline.max_pixels),
+        "parameters": parameters,
+    }
 
 
-def _run_all(
-    job: FitJob, images: tuple[Path, ...], jobs: int | None
-) -> Iterator[tuple[Path, FitResult | BaseException]]:
-    """Results, or what went wrong, in the order they are ready; a progress bar where it is of use."""
-    from rich.console import Console
-    from rich.progress import track
+def _check_timeout(timeout: float | None) -> None:
+    if timeout is not None and not timeout > 0:
+        raise click.UsageError(f"--timeout must be a positive number of seconds, not {timeout}")
 
-    from foldrs import _core
 
-    threads = _core.set_threads(jobs)
-    with ThreadPoolExecutor(min(threads, len(images))) as pool:
-        running = {pool.submit(job.run, image): image for image in images}
-        console = Console(stderr=True)
-        quiet = len(images) == 1 or not console.is_terminal
-        for done in track(
-            as_completed(running), "fitting", total=len(images), console=console, disable=quiet
-        ):
-            yield running[done], done.exception() or done.result()
+def _destination(
+    out: Path,
+    images: Sequence[Path],
+    options: dict[str, Any],
+    plot: bool,
+    plot_stages: bool,
+    keep_folders: bool,
+) -> Destination:
+    from foldrs.fit_files import Destination, fingerprint
+
+    pictures = ((".png",) if plot else ()) + ((_STAGES_SUFFIX,) if plot_stages else ())
+
+    def draw(result: FitResult, image: Path, base: Path) -> None:
+        from foldrs.matching_details import matching_details
+        from foldrs.plot import save_picture
+
+        details = matching_details(result)
+        save_picture(result, image, base.with_name(f"{base.name}.png"), details=details)
+        if plot_stages:
+            from foldrs.stages_plot import save_stages
+
+            save_stages(_published(result, options), image, base.with_name(f"{base.name}{_STAGES_SUFFIX}"))
+
+    return Destination(out, images, fingerprint(options), pictures, draw if plot else None, keep_folders)
+
+
+def _published(result: FitResult, options: dict[str, Any]) -> FitResult:
+    """Explain the outline of a result by the published method, unless that is where it comes from."""
+    from foldrs.pipeline import fit
+
+    if result.stages:
+        return result
+    flat = result.from_above
+    published = fit(
+        (flat.result if flat else result).outline_image,
+        templates=options["templates"],
+        px_per_cm=flat.px_per_cm if flat else options["px_per_cm"],
+        method="paper",
+        parameters=options["parameters"],
+    )
+    published = replace(published, image=result.image)
+    return replace(published, from_above=replace(flat, result=published)) if flat else published
 
 
 @contextmanager
-def _warnings_name_the_image() -> Iterator[None]:
-    """Report what is doubtful about an image with its name, every time."""
-
-    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-        if issubclass(category, GarmentCutOffWarning):
-            click.secho(f"{_at_work.image}: warning: {message}", fg="yellow", err=True)
-        else:
-            show_others(message, category, *place, **more)
-
-    with warnings.catch_warnings():
-        show_others = warnings.showwarning
-        warnings.showwarning = show
-        warnings.simplefilter("always", GarmentCutOffWarning)
-        yield
-
-
-def _reason(error: BaseException) -> str:
-    """Say what went wrong; an error that is not one of foldrs, so a defect, with its type."""
-    return str(error) if isinstance(error, FoldrsError) else f"{type(error).__name__}: {error}"
+def _cluster(address: str) -> Iterator[Executor]:
+    """Connect to a Dask cluster."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise click.ClickException("--dask needs Dask: pip install 'foldrs[dask]'") from None
+    try:
+        client = Client(address, timeout=_CONNECTING, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise click.ClickException(f"there is no Dask scheduler at {address}: {error}") from error
+    with client:
+        executor: Executor = client.get_executor(pure=False)  # type: ignore[no-untyped-call]
+        yield executor
 
 
-def _folds_told(result: FitResult) -> str:
-    if not result.folds:
-        return "not folded,"
-    if not result.accepted:
-        return "no fold found better than none,"
-    count = len(result.folds)
-    return "folded" if count == 1 else f"folded {count} times,"
+@dataclass(frozen=True)
+class _Run:
+    """One call: images, where results go, and how they are made."""
+
+    images: tuple[Path, ...]
+    destination: Destination | None
+    options: dict[str, Any]
+    jobs: int | None
+    timeout: float | None
+
+    def entries(self, resume: bool, executor: Executor | None, quiet: bool) -> Iterator[Entry]:
+        """Fit, write what is ready, and yield what became of every image, in the order given."""
+        from foldrs.batch import in_order
+
+        return in_order(self._as_ready(resume, executor, quiet))
+
+    def _as_ready(self, resume: bool, executor: Executor | None, quiet: bool) -> Iterator[tuple[int, Entry]]:
+        from foldrs.batch import fit_as_ready
+
+        left = []
+        for index, image in enumerate(self.images):
+            kept = self.destination.finished(image) if self.destination is not None and resume else None
+            if kept is None:
+                left.append(index)
+            else:
+                yield index, Entry(image, kept=kept)
+        outcomes = fit_as_ready(
+            [self.images[index] for index in left],
+            executor=executor,
+            jobs=self.jobs,
+            timeout=self.timeout,
+            send_files=executor is not None,
+            **self.options,
+        )
+        for outcome in _with_progress(outcomes, len(left), quiet):
+            index = left[outcome.index]
+            yield index, self._written(self.images[index], outcome)
+
+    def _written(self, image: Path, outcome: Outcome) -> Entry:
+        """Write what became of an image, at once, and warn of what is doubtful."""
+        for doubt in outcome.doubts:
+            click.secho(f"{image}: warning: {doubt}", fg="yellow", err=True)
+        answer: FitResult | BaseException = outcome.answer
+        if self.destination is not None and not isinstance(answer, BaseException):
+            try:
+                self.destination.save(image, answer)
+            except Exception as error:
+                answer = error
+        if not isinstance(answer, BaseException):
+            return Entry(image, result=answer)
+        if self.destination is not None:
+            self.destination.note_error(image, answer)
+        return Entry(image, error=answer)
 
 
-def _line(image: Path, result: FitResult) -> str:
-    probability = result.alternatives[0].probability
-    fold = _folds_told(result)
-    pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
-    found = f"{result.garment_type}, {fold} p = {probability:.2f}, grasp {pair}"
-    return f"{image.name}: {found}, {result.seconds:.2f} s"
+def _shown(entries: Iterable[Entry], show: Show) -> Iterator[Entry]:
+    """Add every image to the page and the recording, if there are any."""
+    for entry in entries:
+        show(entry.image, entry.result, "" if entry.error is None else reason(entry.error))
+        yield entry
+
+
+def _with_progress(outcomes: Iterable[Outcome], total: int, quiet: bool) -> Iterable[Outcome]:
+    """Show a progress bar where it is of use."""
+    from rich.console import Console
+    from rich.progress import track
+
+    console = Console(stderr=True)
+    hidden = quiet or total <= 1 or not console.is_terminal
+    return track(outcomes, "fitting", total=total, console=console, disable=hidden)

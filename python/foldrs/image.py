@@ -5,15 +5,18 @@ A photograph is (h, w, 3) uint8 RGB, a mask (h, w) bool with True for cloth; bot
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import cv2
+import imagesize
 import numpy as np
 import numpy.typing as npt
 
-from .errors import ImageNotFoundError, NotAnImageError
+from .errors import ImageNotFoundError, ImageTooLargeError, NotAnImageError
+from .parameters import OutlineParameters
 
 RgbImage: TypeAlias = npt.NDArray[np.uint8]
 Mask: TypeAlias = npt.NDArray[np.bool_]
@@ -21,10 +24,13 @@ AnyArray: TypeAlias = npt.NDArray[Any]
 Source: TypeAlias = str | os.PathLike[str] | npt.ArrayLike | None
 """What a photograph may be given as; None where there is none."""
 
+_ROWS = 256
+"""Rows of a picture converted at a time."""
+
 _JPEG_MAGIC = b"\xff\xd8"
 
 
-def read_image(path: str | Path) -> RgbImage:
+def read_image(path: str | Path, max_pixels: int | None = None) -> RgbImage:
     """Read a photograph: JPEG, PNG, WebP or TIFF, 8 or 16 bit, grey, RGB or RGBA.
 
     The orientation noted by the camera (EXIF) is honoured; transparent parts are laid on white.
@@ -33,6 +39,8 @@ def read_image(path: str | Path) -> RgbImage:
     ----------
     path : str or Path
         The file.
+    max_pixels : int, optional
+        Most pixels it may have; any number without it.
 
     Returns
     -------
@@ -43,13 +51,15 @@ def read_image(path: str | Path) -> RgbImage:
     ------
     ImageNotFoundError
         There is no such file, or it is a folder.
+    ImageTooLargeError
+        Its header tells of more pixels than allowed; it is not decoded then.
     NotAnImageError
         The file is no image OpenCV can decode.
     """
-    return as_rgb(_decode(Path(path)))
+    return as_rgb(_decode(Path(path), max_pixels), max_pixels)
 
 
-def read_any(source: Source) -> RgbImage | None:
+def read_any(source: Source, max_pixels: int | None = None) -> RgbImage | None:
     """Bring a photograph, given as a path or an array, into (h, w, 3) uint8 RGB; None if none is given.
 
     Raises
@@ -59,29 +69,34 @@ def read_any(source: Source) -> RgbImage | None:
     """
     if source is None:
         return None
-    return read_image(Path(source)) if isinstance(source, (str, os.PathLike)) else as_rgb(source)
+    if isinstance(source, (str, os.PathLike)):
+        return read_image(Path(source), max_pixels)
+    return as_rgb(source, max_pixels)
 
 
 def read_if_any(source: Source) -> RgbImage | None:
-    """As :func:`read_any`, but None if it is no image: to show what failed, which may be the reason."""
+    """As :func:`read_any`, but None if it is no image: to show what failed, which may be the reason.
+
+    Neither is one with more pixels than :func:`foldrs.fit` takes unless it is told to.
+    """
     try:
-        return read_any(source)
+        return read_any(source, OutlineParameters.max_pixels)
     except (NotAnImageError, OSError):
         return None
 
 
-def read_mask(path: str | Path) -> Mask:
+def read_mask(path: str | Path, max_pixels: int | None = None) -> Mask:
     """Read a mask of the cloth from an image file; see :func:`as_mask` for what counts as cloth.
 
     Raises
     ------
-    ImageNotFoundError, NotAnImageError
+    ImageNotFoundError, ImageTooLargeError, NotAnImageError
         As :func:`read_image`.
     """
-    return as_mask(_decode(Path(path)))
+    return as_mask(_decode(Path(path), max_pixels))
 
 
-def as_rgb(array: npt.ArrayLike) -> RgbImage:
+def as_rgb(array: npt.ArrayLike, max_pixels: int | None = None) -> RgbImage:
     """Bring an image array of any usual kind into (h, w, 3) uint8 RGB.
 
     Parameters
@@ -90,6 +105,8 @@ def as_rgb(array: npt.ArrayLike) -> RgbImage:
         Grey, RGB or RGBA, in any memory layout. Booleans are black and white. Whole numbers span 0..255,
         or 0..65535 if any is above 255; floats span 0..1, or 0..255 if any is above 1. Transparent
         parts are laid on white.
+    max_pixels : int, optional
+        Most pixels it may have; any number without it.
 
     Returns
     -------
@@ -98,20 +115,27 @@ def as_rgb(array: npt.ArrayLike) -> RgbImage:
 
     Raises
     ------
+    ImageTooLargeError
+        More pixels than allowed.
     NotAnImageError
         Wrong shape or type, no pixels, or values that are not finite or outside these ranges.
     """
     values = _checked(array)
-    eight_bit = values if values.dtype == np.uint8 else np.rint(_to_unit(values) * 255).astype(np.uint8)
-    if eight_bit.ndim == 2:
-        eight_bit = eight_bit[:, :, None]
-    if eight_bit.shape[2] == 1:
-        return np.repeat(eight_bit, 3, axis=2)
-    colour = eight_bit[:, :, :3]
-    if eight_bit.shape[2] == 4 and (alpha := eight_bit[:, :, 3:]).min() < 255:
-        opacity = alpha.astype(np.float32) / 255
-        colour = np.rint(colour * opacity + 255 * (1 - opacity)).astype(np.uint8)
-    return np.array(colour, dtype=np.uint8, order="C")
+    _check_size(values.shape[1], values.shape[0], max_pixels, "The image array")
+    channels = 1 if values.ndim == 2 else values.shape[2]
+    largest = float(values.max())
+    rgb = np.empty((*values.shape[:2], 3), dtype=np.uint8)
+    # Some rows at a time: floats of a whole photograph take many times its memory.
+    for top in range(0, len(values), _ROWS):
+        rows = values[top : top + _ROWS].reshape(-1, values.shape[1], channels)
+        if rows.dtype != np.uint8:
+            rows = np.rint(_to_unit(rows, largest) * 255).astype(np.uint8)
+        colour = rows[:, :, :3]  # of one channel, the same for all three
+        if channels == 4 and (alpha := rows[:, :, 3:]).min() < 255:
+            opacity = alpha.astype(np.float32) / 255
+            colour = np.rint(colour * opacity + 255 * (1 - opacity)).astype(np.uint8)
+        rgb[top : top + _ROWS] = colour
+    return rgb
 
 
 def as_mask(array: npt.ArrayLike) -> Mask:
@@ -166,11 +190,10 @@ def _checked(array: npt.ArrayLike) -> AnyArray:
     return values
 
 
-def _to_unit(values: AnyArray) -> npt.NDArray[np.float32]:
-    """Scale checked values to floats in 0..1."""
+def _to_unit(values: AnyArray, largest: float) -> npt.NDArray[np.float32]:
+    """Scale checked values, of an image whose largest is given, to floats in 0..1."""
     if values.dtype == np.bool_:
         return values.astype(np.float32)
-    largest = float(values.max())
     ranges = (1.0, 255.0) if values.dtype.kind == "f" else (255.0, 65535.0)
     for full in ranges:
         if largest <= full:
@@ -181,15 +204,19 @@ def _to_unit(values: AnyArray) -> npt.NDArray[np.float32]:
     )
 
 
-def _decode(path: Path) -> AnyArray:
+def _decode(path: Path, max_pixels: int | None) -> AnyArray:
     """Read the file's pixels at their own depth: RGB, with alpha where there is any."""
     if not path.exists():
         raise ImageNotFoundError(f"There is no file {path}: check the name.")
     if path.is_dir():
         raise ImageNotFoundError(f"{path} is a folder: pass an image file.")
     # Decoding from memory works for every file name, OpenCV's own file access does not on all systems.
-    data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
-    bgr = _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    content = path.read_bytes()
+    size = _size_in_header(content)
+    data = np.frombuffer(content, dtype=np.uint8)
+    if size is not None:
+        _check_size(*size, max_pixels, str(path))
+    bgr = None if size is None else _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
     if bgr is None:
         raise NotAnImageError(f"{path} cannot be read as an image: pass a JPEG, PNG, WebP or TIFF file.")
     colour = bgr[:, :, ::-1]
@@ -202,6 +229,24 @@ def _decode(path: Path) -> AnyArray:
     if unchanged is not None and has_alpha and np.array_equal(unchanged[:, :, :3], bgr):
         return np.dstack([colour, unchanged[:, :, 3]])
     return colour
+
+
+def _size_in_header(content: bytes) -> tuple[int, int] | None:
+    """Width and height as the file's header tells them, without decoding; None where it does not."""
+    try:
+        width, height = imagesize.get(io.BytesIO(content))
+    except Exception:  # whatever a damaged header makes the reader stumble over
+        return None
+    return (int(width), int(height)) if width > 0 and height > 0 else None
+
+
+def _check_size(width: int, height: int, max_pixels: int | None, what: str) -> None:
+    """Raise ImageTooLargeError beyond the number of pixels allowed."""
+    if max_pixels is not None and width * height > max_pixels:
+        raise ImageTooLargeError(
+            f"{what} has {width} x {height} pixels, more than the {max_pixels} allowed: make it smaller, or "
+            "raise the limit (max_pixels)."
+        )
 
 
 def _imdecode(data: npt.NDArray[np.uint8], flags: int) -> AnyArray | None:

@@ -7,7 +7,6 @@ implicitly.
 from __future__ import annotations
 
 import os
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ._mending import simple_outline
+from .doubts import doubt
 from .errors import (
     GarmentCutOffError,
-    GarmentCutOffWarning,
     GarmentTooSmallError,
     InvalidOutlineError,
     NoGarmentError,
@@ -102,7 +101,7 @@ def find_outline(
     """
     p = OutlineParameters() if parameters is None else parameters
     if isinstance(source, str | os.PathLike):
-        return _outline_in_photograph(read_image(Path(source)), mask, p)
+        return _outline_in_photograph(read_image(Path(source), p.max_pixels), mask, p)
     array = _as_array(source)
     is_mask = array.dtype == np.bool_ and array.ndim == 2
     is_outline = not is_mask and _has_outline_shape(array)
@@ -113,7 +112,7 @@ def find_outline(
         return OutlineInImage(outline_of_mask(array, p), mask=as_mask(array))
     if is_outline:
         return OutlineInImage(simple_outline(as_outline(array)))
-    return _outline_in_photograph(as_rgb(array), mask, p)
+    return _outline_in_photograph(as_rgb(array, p.max_pixels), mask, p)
 
 
 def as_photograph(source: str | os.PathLike[str] | npt.ArrayLike) -> RgbImage | None:
@@ -233,7 +232,7 @@ def _outline_in_photograph(
         cloth = segment(rgb, parameters)
     else:
         is_file = isinstance(mask, str | os.PathLike)
-        cloth = read_mask(Path(mask)) if is_file else as_mask(mask)  # type: ignore[arg-type]
+        cloth = read_mask(Path(mask), parameters.max_pixels) if is_file else as_mask(mask)  # type: ignore[arg-type]
         if cloth.shape != rgb.shape[:2]:
             raise OutlineError(
                 f"The mask is {cloth.shape[1]} x {cloth.shape[0]} pixels, the photograph "
@@ -252,9 +251,8 @@ def _check_border(steps: npt.NDArray[Any], shape: tuple[int, ...], parameters: O
             "take a photograph that shows all of it."
         )
     if share > 0:
-        warnings.warn(
+        doubt(
             f"The garment touches the picture's border ({share:.1%} of its outline): it may be cut there.",
-            GarmentCutOffWarning,
             stacklevel=3,
         )
 

@@ -27,6 +27,9 @@ class OutlineParameters:
     so that a photograph of any size is treated alike. Colour differences are CIELAB units.
     """
 
+    max_pixels: int = 120_000_000
+    """Most pixels a picture may have, told from its header before it is decoded: more than most cameras have.
+    So many take about 2 GB of memory; a small file can claim far more."""
     coarse_side: int = 320
     """Longer side of the picture in which the cloth is told from the table, px: sleeves stay 8 px wide."""
     fine_side: int = 640

@@ -22,7 +22,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +40,8 @@ SCHEMA = 1
 """Version of the JSON form."""
 
 Points = NDArray[np.float64]
+
+_PART = ".part"
 
 # The mask can only be read by setting it, which no two threads may do at once: read it on loading.
 _UMASK = os.umask(0o022)
@@ -262,7 +264,7 @@ def write_whole(path: Path, content: bytes) -> None:
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a file beside `path` to write to, and move it there at the end; an exception leaves nothing."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=_PART)
     os.close(handle)
     draft = Path(name)
     try:
@@ -273,6 +275,13 @@ def written_whole(path: Path) -> Iterator[Path]:
     except BaseException:
         draft.unlink(missing_ok=True)
         raise
+
+
+def remove_parts(folder: Path, names: Set[str]) -> None:
+    """Remove the parts of files of these names that :func:`write_whole` left when it was killed."""
+    for path in folder.glob(f".*{_PART}"):
+        if path.name.removesuffix(_PART)[1:].rpartition(".")[0] in names:
+            path.unlink(missing_ok=True)
 
 
 def _plain(points: Points, digits: int = 4) -> list[Any]:

@@ -12,6 +12,9 @@ pub enum OutlineError {
     /// A coordinate is NaN or infinite.
     #[error("point {0} of the outline is not finite")]
     NotFinite(usize),
+    /// So large or so small that areas and moments of it are no numbers any more.
+    #[error("the outline measures {0:e}: scale its coordinates, they must lie between 1e-50 and 1e50")]
+    OutOfRange(f64),
     /// All points on one line, or on one spot.
     #[error("the outline encloses no area")]
     NoArea,

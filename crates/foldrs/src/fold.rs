@@ -11,6 +11,7 @@ use i_overlay::core::edge_overlay::{EdgeOverlay, InputEdge};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::ShapeType;
 use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::core::solver::Precision;
 use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::segm::boolean::ShapeCountBoolean;
 
@@ -374,6 +375,9 @@ impl OverlayEdgeData for EdgeId {
 fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize, usize)> {
     let grid = Grid::around(kept.iter().chain(flap).flat_map(|p| &p.points));
     let mut overlay = EdgeOverlay::<i32, EdgeId>::new(256);
+    // Crossings are rounded to the grid, which may make new ones: the coarsest rounding, still some 1e-9 of the extent
+    // at first, ends that soonest. With the finest a tangle of thirty edges can take seconds.
+    overlay.solver.precision = Precision::LOW;
     let mut inputs: Vec<(Segment, Source)> = Vec::with_capacity(256);
     for (pieces, shape) in [(kept, ShapeType::Subject), (flap, ShapeType::Clip)] {
         for piece in pieces {

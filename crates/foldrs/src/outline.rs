@@ -6,6 +6,10 @@ pub use sides::Side;
 
 use crate::{OutlineError, Point, Segment};
 
+/// Coordinates may be no larger, and an outline no shorter than the reciprocal: products of four lengths, the most
+/// that any stage forms, are then numbers with all their digits, whatever the unit.
+const LARGEST: f64 = 1e50;
+
 /// A closed polygon without its first point repeated, with the arc length of every vertex.
 ///
 /// The winding is kept as given. Units are those of the points.
@@ -67,10 +71,15 @@ impl Outline {
     /// Repeated neighbours are dropped. Crossing edges are not looked for: see [`Outline::check_simple`].
     ///
     /// # Errors
-    /// [`OutlineError::TooFewPoints`], [`OutlineError::NotFinite`] or [`OutlineError::NoArea`].
+    /// [`OutlineError::TooFewPoints`], [`OutlineError::NotFinite`], [`OutlineError::OutOfRange`] or
+    /// [`OutlineError::NoArea`].
     pub fn new(mut points: Vec<Point>) -> Result<Self, OutlineError> {
         if let Some(i) = points.iter().position(|p| !(p.x.is_finite() && p.y.is_finite())) {
             return Err(OutlineError::NotFinite(i));
+        }
+        let farthest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        if farthest > LARGEST {
+            return Err(OutlineError::OutOfRange(farthest));
         }
         points.dedup();
         while points.len() > 1 && points.first() == points.last() {
@@ -82,9 +91,11 @@ impl Outline {
         let arc = arc_lengths(&points);
         let outline = Self { points, arc };
         let extent = outline.length();
-        let area = outline.signed_area().abs();
-        // Below this the area is rounding noise of the coordinates; beyond all numbers it is none.
-        if area.is_nan() || area <= 1e-12 * extent * extent {
+        if extent < 1.0 / LARGEST {
+            return Err(OutlineError::OutOfRange(extent));
+        }
+        // Below this the area is rounding noise of the coordinates.
+        if outline.signed_area().abs() <= 1e-12 * extent * extent {
             return Err(OutlineError::NoArea);
         }
         Ok(outline)

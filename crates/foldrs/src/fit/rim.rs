@@ -134,7 +134,10 @@ impl<'a> Rims<'a> {
         let mut sum = 0.0;
         for piece in pieces.iter().filter(|piece| piece.layer == layer) {
             let visible = piece.length * (piece.share[1] - piece.share[0]);
-            let count = (visible / p.spacing).ceil().max(1.0);
+            // No finer than pixels, and no more places than a line across the picture has: a template in tiny units
+            // is as quick as any.
+            let spacing = p.spacing.max(1.0 / self.pixels);
+            let count = (visible / spacing).ceil().clamp(1.0, self.across());
             let normal = Vector::new(-piece.direction.y, piece.direction.x);
             for k in 0..count as usize {
                 let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
@@ -156,10 +159,15 @@ impl<'a> Rims<'a> {
         ((1.0 - p.shown) + p.shown * p.sharpness * rank.powf(p.sharpness - 1.0)).ln()
     }
 
+    /// More pixels than any straight line across the picture passes.
+    fn across(&self) -> f64 {
+        (self.picture.width + self.picture.height).max(1) as f64
+    }
+
     /// The strongest edge across a place, within reach along the normal.
     fn strength(&self, edges: &Edges, x: &Point, normal: &Vector) -> f32 {
         let reach = self.parameters.reach * self.pixels;
-        let steps = reach.ceil().max(1.0);
+        let steps = reach.ceil().clamp(1.0, self.across());
         let (a, b) = (normal.x as f32, normal.y as f32);
         let mut most = 0.0f32;
         for k in -(steps as i64)..=steps as i64 {

@@ -84,7 +84,7 @@ impl FlexibleTemplate {
     /// all corners ([`FitParameters::shape`]).
     ///
     /// `spread` holds one value a vertex of the outline given. `None` unless there are so many, all positive and finite.
-    #[must_use] 
+    #[must_use]
     pub fn with_spread(mut self, spread: &[f64], parameters: &FitParameters) -> Option<Self> {
         let count = self.vertices.len();
         if spread.len() != count || !spread.iter().all(|s| s.is_finite() && *s > 0.0) {

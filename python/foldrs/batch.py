@@ -1,0 +1,261 @@
+"""Many images, on one machine or several: a result or an error for each, whatever happens to any of them."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import tempfile
+import warnings
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from foldrs import _core
+from foldrs._killable import Killable
+from foldrs.doubts import noted_doubts
+from foldrs.errors import FoldrsError, GarmentCutOffWarning, ParameterError, WorkerLostError
+from foldrs.result import FitResult
+
+if TYPE_CHECKING:
+    from foldrs.pipeline import Source
+
+Answer: TypeAlias = FitResult | Exception
+T = TypeVar("T")
+
+_AHEAD = 64
+"""Images handed to a foreign executor ahead of their turn: keeps a cluster busy, and memory bounded."""
+
+
+@dataclass(frozen=True)
+class ImageContent:
+    """An image file on its way to a machine that does not see this one's disk."""
+
+    path: str
+    """Where it came from."""
+    content: bytes
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one image."""
+
+    index: int
+    """Its place among the images given."""
+    answer: Answer
+    """The result, or what went wrong."""
+    doubts: tuple[str, ...] = ()
+    """What is doubtful about it; `foldrs.fit` would have warned of that."""
+
+
+@dataclass(frozen=True)
+class FitTask:
+    """Fits one image; can be sent to other processes and machines."""
+
+    options: dict[str, Any] = field(default_factory=dict)
+    """Those of :func:`foldrs.fit`."""
+
+    def __call__(self, source: Source | ImageContent) -> tuple[Answer, tuple[str, ...]]:
+        """Return the result or what went wrong, and what is doubtful; raises nothing of its own."""
+        with noted_doubts() as doubts:
+            try:
+                answer: Answer = self._fit(source)
+            except (KeyboardInterrupt, SystemExit):
+                raise
+            except BaseException as error:  # a panic in Rust is no Exception
+                answer = _portable(error)
+        return answer, tuple(doubts)
+
+    def _fit(self, source: Source | ImageContent) -> FitResult:
+        from foldrs import pipeline
+
+        if not isinstance(source, ImageContent):
+            return pipeline.fit(source, **self.options)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, Path(source.path).name)
+            path.write_bytes(source.content)
+            try:
+                return pipeline.fit(path, **self.options)
+            except FoldrsError as error:
+                error.args = tuple(str(part).replace(str(path), source.path) for part in error.args)
+                raise
+
+
+def fit_many(
+    images: Iterable[Source],
+    *,
+    executor: Executor | None = None,
+    jobs: int | None = None,
+    timeout: float | None = None,
+    send_files: bool = False,
+    **options: Any,
+) -> Iterator[Answer]:
+    """Explain many garments; yields a result or an error for every image, in the order given.
+
+    No image stops the others. Images are taken from `images` a few ahead of those being fitted, so it may be
+    endless.
+
+    Parameters
+    ----------
+    images : iterable of path, image array, mask or (n, 2) points
+        As for :func:`foldrs.fit`, one garment each.
+    executor : concurrent.futures.Executor, optional
+        Where to run: a process pool, a Dask cluster (``Client(...).get_executor()``), anything that has
+        ``submit``. It is not shut down. Default: threads of this process, which share the cores with the Rust
+        code below them.
+    jobs : int, optional
+        Images and hypotheses at a time; default: all cores. Only without `executor`.
+    timeout : float, optional
+        Seconds an image may take. Each is then fitted in a process of its own, beside the thread or worker
+        that waits for it, because nothing else can be ended at any moment; that process serves image after
+        image and is replaced where it was ended.
+    send_files : bool
+        Send the content of files to `executor` rather than their names: for machines that do not see this
+        one's disk.
+    **options
+        As for :func:`foldrs.fit`.
+
+    Yields
+    ------
+    FitResult or Exception
+        An error is one of `foldrs.errors`; any other one is a defect, which costs its own image only.
+
+    Raises
+    ------
+    ParameterError
+        `timeout` is not positive, or `jobs` was given with `executor`.
+
+    Warns
+    -----
+    GarmentCutOffWarning
+        As :func:`foldrs.fit`, with the name of the image.
+
+    Examples
+    --------
+    >>> square = [[0, 0], [90, 0], [90, 60], [0, 60]]
+    >>> [getattr(one, "garment_type", one) for one in foldrs.fit_many([square], garment_type="towel")]
+    ['towel']
+    """
+    _check(executor, jobs, timeout)
+    names: dict[int, str] = {}
+
+    def named() -> Iterator[Source]:
+        for index, source in enumerate(images):
+            names[index] = Path(source).name if isinstance(source, (str, os.PathLike)) else ""
+            yield source
+
+    outcomes = fit_as_ready(
+        named(), executor=executor, jobs=jobs, timeout=timeout, send_files=send_files, **options
+    )
+    ordered = in_order((outcome.index, outcome) for outcome in outcomes)
+    return (_answer(outcome, names.pop(outcome.index)) for outcome in ordered)
+
+
+def fit_as_ready(
+    images: Iterable[Source],
+    *,
+    executor: Executor | None = None,
+    jobs: int | None = None,
+    timeout: float | None = None,
+    send_files: bool = False,
+    **options: Any,
+) -> Iterator[Outcome]:
+    """Explain many garments as :func:`fit_many`, yielding each outcome when it is ready, in any order."""
+    _check(executor, jobs, timeout)
+    task: FitTask | Killable = FitTask(options)
+    if executor is not None:
+        if timeout is not None:
+            task = Killable(task, timeout)
+        yield from _run(task, images, executor, _AHEAD, send_files)
+        return
+    threads = _core.set_threads(jobs)
+    workers = min(threads, len(images)) if isinstance(images, (list, tuple)) else threads
+    if timeout is not None:
+        task = Killable(task, timeout, threads // max(workers, 1))
+    pool = ThreadPoolExecutor(max(workers, 1))
+    try:
+        yield from _run(task, images, pool, 2 * workers, send_files)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def in_order(numbered: Iterable[tuple[int, T]]) -> Iterator[T]:
+    """Things numbered from 0 on, in that order; each is held back until those before it came."""
+    waiting: dict[int, T] = {}
+    turn = 0
+    for number, thing in numbered:
+        waiting[number] = thing
+        while turn in waiting:
+            yield waiting.pop(turn)
+            turn += 1
+
+
+def _check(executor: Executor | None, jobs: int | None, timeout: float | None) -> None:
+    if timeout is not None and not timeout > 0:
+        raise ParameterError(f"timeout must be a positive number of seconds, not {timeout}")
+    if executor is not None and jobs is not None:
+        raise ParameterError(
+            "jobs goes without an executor, which has its own number of workers: leave one out"
+        )
+
+
+def _run(
+    task: FitTask | Killable, images: Iterable[Source], executor: Executor, ahead: int, send_files: bool
+) -> Iterator[Outcome]:
+    """Run a task for every image, so many of them handed over at a time."""
+    sources = enumerate(images)
+    running: dict[Future[Any], int] = {}
+    try:
+        while True:
+            for index, source in islice(sources, max(1, ahead) - len(running)):
+                running[executor.submit(task, _with_content(source) if send_files else source)] = index
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in sorted(done, key=running.__getitem__):
+                yield _outcome(running.pop(future), future)
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def _outcome(index: int, future: Future[Any]) -> Outcome:
+    try:
+        return Outcome(index, *future.result())
+    except Exception as error:  # the task raises nothing: this is the executor's
+        lost = WorkerLostError(f"The worker was lost: {type(error).__name__}: {error}")
+        lost.__cause__ = error
+        return Outcome(index, lost)
+
+
+def _with_content(source: Source) -> Source | ImageContent:
+    """Read the file of a source, if it has one; a missing one is for the worker to tell of."""
+    if isinstance(source, (str, os.PathLike)) and Path(source).is_file():
+        return ImageContent(str(source), Path(source).read_bytes())
+    return source
+
+
+def _answer(outcome: Outcome, name: str) -> Answer:
+    """Warn of what is doubtful, and name the image of an error."""
+    answer = outcome.answer
+    try:
+        for doubt in outcome.doubts:
+            warnings.warn(f"{name}: {doubt}" if name else doubt, GarmentCutOffWarning, stacklevel=3)
+    except GarmentCutOffWarning as error:  # where warnings are errors, that is the answer
+        answer = error
+    if isinstance(answer, FoldrsError):
+        answer.image = name
+    return answer
+
+
+def _portable(error: BaseException) -> Exception:
+    """Make an error one that can be sent: without its frames, of a type that any process can build again."""
+    if isinstance(error, FoldrsError):
+        return error.with_traceback(None)
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error if isinstance(error, Exception) else RuntimeError(f"{type(error).__name__}: {error}")
