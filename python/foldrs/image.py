@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import struct
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -28,6 +29,9 @@ _ROWS = 256
 """Rows of a picture converted at a time."""
 
 _JPEG_MAGIC = b"\xff\xd8"
+_PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
+_PNG_FRAME = 12
+"""Bytes of a PNG chunk besides its content: length, name, checksum."""
 
 
 def read_image(path: str | Path, max_pixels: int | None = None) -> RgbImage:
@@ -216,7 +220,8 @@ def _decode(path: Path, max_pixels: int | None) -> AnyArray:
     data = np.frombuffer(content, dtype=np.uint8)
     if size is not None:
         _check_size(*size, max_pixels, str(path))
-    bgr = None if size is None else _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    readable = size is not None and _png_is_whole(content)
+    bgr = _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH) if readable else None
     if bgr is None:
         raise NotAnImageError(f"{path} cannot be read as an image: pass a JPEG, PNG, WebP or TIFF file.")
     colour = bgr[:, :, ::-1]
@@ -238,6 +243,22 @@ def _size_in_header(content: bytes) -> tuple[int, int] | None:
     except Exception:  # whatever a damaged header makes the reader stumble over
         return None
     return (int(width), int(height)) if width > 0 and height > 0 else None
+
+
+def _png_is_whole(content: bytes) -> bool:
+    """Whether no chunk of a PNG file reaches beyond its end; True for other files.
+
+    OpenCV makes room for a chunk of any length, up to 4 GB, before it finds that the file is shorter.
+    """
+    if not content.startswith(_PNG_MAGIC):
+        return True
+    place = len(_PNG_MAGIC)
+    while place + _PNG_FRAME <= len(content):
+        length, name = struct.unpack_from(">I4s", content, place)
+        place += length + _PNG_FRAME
+        if name == b"IEND":
+            break
+    return place <= len(content)
 
 
 def _check_size(width: int, height: int, max_pixels: int | None, what: str) -> None:
