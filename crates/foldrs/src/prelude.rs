@@ -4,7 +4,7 @@
 //! them over the outline; or [`claim_axes`] and [`explain_jointly`] fit template and crease together.
 
 pub use crate::error::{FoldError, OutlineError};
-pub use crate::fit::{explain_jointly, FlexibleTemplate, JointExplanation, JointFits};
+pub use crate::fit::{explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits};
 pub use crate::fold::{fold, Folded, Layer};
 pub use crate::matching::{claim_axes, explain, match_folded, Candidate, Claim, Explanation, Matching, Seen};
 pub use crate::outline::Outline;
