@@ -13,10 +13,8 @@ use crate::Point;
 pub struct ChordAngles {
     pub(super) n: usize,
     pub(super) delta: usize,
-    /// Row `i`, column `k`: the angle at `i + k`; 0 for k <= delta.
-    pub(super) at_end: Vec<f32>,
-    /// Row `i`, column `k`: the angle at `i`; 0 for k <= delta.
-    pub(super) at_start: Vec<f32>,
+    /// Row `i`, column `k`: the angles at `i + k` and at `i`; 0 for k <= delta.
+    angles: Vec<[f32; 2]>,
 }
 
 impl ChordAngles {
@@ -25,21 +23,25 @@ impl ChordAngles {
     pub fn new(points: &[Point], delta: usize) -> Self {
         let n = points.len();
         let directions = Directions::new(points);
-        let mut at_end = vec![0.0; n * n];
-        let mut at_start = vec![0.0; n * n];
-        for i in 0..n {
-            for k in delta + 1..n {
-                let j = (i + k) % n;
-                at_end[i * n + k] = directions.angle(j, i, (j + n - delta) % n);
-                at_start[i * n + k] = directions.angle(i, j, (i + delta) % n);
+        let mut angles = vec![[0.0; 2]; n * n];
+        // A division would take longer than all the rest.
+        let around = |i: usize| if i < n { i } else { i - n };
+        for (i, row) in angles.chunks_exact_mut(n.max(1)).enumerate() {
+            for (k, angles) in row.iter_mut().enumerate().skip(delta + 1) {
+                let j = around(i + k);
+                *angles = [
+                    directions.angle(j, i, around(i + k - delta)),
+                    directions.angle(i, j, around(i + delta)),
+                ];
             }
         }
-        Self {
-            n,
-            delta,
-            at_end,
-            at_start,
-        }
+        Self { n, delta, angles }
+    }
+
+    /// The two angles of the points `i` and `i + k`, for every k.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> &[[f32; 2]] {
+        &self.angles[i * self.n..(i + 1) * self.n]
     }
 
     /// Number of points of the outline.
@@ -56,9 +58,8 @@ impl ChordAngles {
 
     /// Squared difference of the angles of the pair (`i`, `i + k`) here and (`j`, `j + k`) there.
     pub(super) fn difference(&self, i: usize, other: &Self, j: usize, k: usize) -> f32 {
-        let (a, b) = (i * self.n + k, j * other.n + k);
-        square_wrapped(self.at_end[a] - other.at_end[b])
-            + square_wrapped(self.at_start[a] - other.at_start[b])
+        let ([a, b], [c, d]) = (self.row(i)[k], other.row(j)[k]);
+        square_wrapped(a - c) + square_wrapped(b - d)
     }
 }
 
@@ -92,14 +93,17 @@ impl Directions {
         use std::f64::consts::{PI, TAU};
         let row = &self.radians[corner * self.n..][..self.n];
         let turn = row[to] - row[from];
+        let rounds = if turn > PI {
+            -TAU
+        } else if turn < -PI {
+            TAU
+        } else {
+            0.0
+        };
         if turn.is_nan() {
             0.0
-        } else if turn > PI {
-            (turn - TAU) as f32
-        } else if turn < -PI {
-            (turn + TAU) as f32
         } else {
-            turn as f32
+            (turn + rounds) as f32
         }
     }
 }
@@ -145,8 +149,8 @@ mod tests {
             for k in delta + 1..n {
                 let at_end = direct(i + k, i, i + k - delta);
                 let at_start = direct(i, i + k, i + delta);
-                assert!(square_wrapped(angles.at_end[i * n + k] - at_end) < 1e-12);
-                assert!(square_wrapped(angles.at_start[i * n + k] - at_start) < 1e-12);
+                assert!(square_wrapped(angles.row(i)[k][0] - at_end) < 1e-12);
+                assert!(square_wrapped(angles.row(i)[k][1] - at_start) < 1e-12);
             }
         }
     }
@@ -154,6 +158,6 @@ mod tests {
     #[test]
     fn points_on_one_spot_have_no_angle() {
         let angles = ChordAngles::new(&[Point::new(1.0, 2.0); 9], 2);
-        assert!(angles.at_end.iter().chain(&angles.at_start).all(|&a| a == 0.0));
+        assert!(angles.angles.iter().all(|&a| a == [0.0; 2]));
     }
 }

@@ -20,10 +20,14 @@ pub(super) fn distinct(
         if kept.len() == most {
             break;
         }
-        let mut others = neighbours.of(&p).iter().map(|&k| &kept[k]);
-        if !others.any(|q| overlap(&p, q, m, n)) {
-            neighbours.add(&p, kept.len());
-            kept.push(p);
+        let others = neighbours.of(&p);
+        match others.iter().position(|&k| overlap(&p, &kept[k], m, n)) {
+            // The next ones along the offset will overlap with the same one.
+            Some(found) => others.swap(0, found),
+            None => {
+                neighbours.add(&p, kept.len());
+                kept.push(p);
+            }
         }
     }
     kept
@@ -50,8 +54,9 @@ impl Neighbours {
         p.start as isize - p.template_start as isize + self.n
     }
 
-    fn of(&self, p: &PartialMatch) -> &[usize] {
-        &self.near[self.offset(p) as usize]
+    fn of(&mut self, p: &PartialMatch) -> &mut [usize] {
+        let offset = self.offset(p);
+        &mut self.near[offset as usize]
     }
 
     fn add(&mut self, p: &PartialMatch, index: usize) {
@@ -61,7 +66,7 @@ impl Neighbours {
                 let middle = self.offset(p) + rounds + template_rounds;
                 for offset in middle - NEIGHBOURS..=middle + NEIGHBOURS {
                     let near = usize::try_from(offset).ok().and_then(|o| self.near.get_mut(o));
-                    if let Some(near) = near.filter(|near| near.last() != Some(&index)) {
+                    if let Some(near) = near.filter(|near| !near.contains(&index)) {
                         near.push(index);
                     }
                 }

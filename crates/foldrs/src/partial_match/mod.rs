@@ -57,7 +57,7 @@ pub fn piece_difference(
     let mut sum = 0.0;
     for a in 0..length {
         for k in seen.delta + 1..length - a {
-            let (i, j) = ((start + a) % seen.n, (template_start + a) % template.n);
+            let (i, j) = ((start + a) % seen.len(), (template_start + a) % template.len());
             sum += f64::from(seen.difference(i, template, j, k));
         }
     }
@@ -75,25 +75,38 @@ pub fn partial_matches(
     template: &ChordAngles,
     parameters: &PartialMatchParameters,
 ) -> Vec<PartialMatch> {
-    let (m, n) = (seen.n, template.n);
+    let (m, n) = (seen.len(), template.len());
     let Some(lengths) = Lengths::new(m.min(n), seen.delta, parameters) else {
         return Vec::new();
     };
-    let mut found = best_pieces(seen, template, &lengths);
-    found.sort_unstable_by_key(rank);
-    let found = found.iter().map(|best| PartialMatch {
-        start: best.start as usize,
-        template_start: best.template_start as usize,
-        length: best.length as usize,
-        difference: lengths.difference(best, parameters),
-        affinity: f64::from(best.log_affinity).exp(),
+    let best = best_pieces(seen, template, &lengths);
+    let found = ranked(&best).into_iter().map(|cell| {
+        let piece = &best[cell];
+        PartialMatch {
+            start: cell / n,
+            template_start: cell % n,
+            length: piece.length as usize,
+            difference: lengths.difference(piece, parameters),
+            affinity: f64::from(piece.log_affinity).exp(),
+        }
     });
     distinct::distinct(found, m, n, parameters.most)
 }
 
-/// The greatest affinity first, then the first starting points. Below zero numbers grow against their bits.
-fn rank(best: &Best) -> (u32, u32, u32) {
-    (best.log_affinity.to_bits(), best.start, best.template_start)
+/// The pieces that reach the threshold: the greatest affinity first, then the first starting points.
+fn ranked(best: &[Best]) -> Vec<usize> {
+    let mut order: Vec<u64> = best
+        .iter()
+        .enumerate()
+        .filter(|(_, piece)| piece.length > 0)
+        // Below zero numbers grow against their bits. One number to compare is sorted several times as fast as two.
+        .map(|(cell, piece)| u64::from(piece.log_affinity.to_bits()) << 32 | cell as u64)
+        .collect();
+    order.sort_unstable();
+    order
+        .into_iter()
+        .map(|key| (key & u64::from(u32::MAX)) as usize)
+        .collect()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use super::chord_angles::{square_wrapped, ChordAngles};
 use super::{angles_within, PartialMatchParameters};
+use crate::wide::{widest, Kernel};
 
 /// Offsets swept side by side: two of the widest common vector registers.
 const LANES: usize = 16;
@@ -14,10 +15,9 @@ const LANES: usize = 16;
 type Lanes = [f32; LANES];
 
 /// The piece of greatest affinity at a pair of starting points.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Best {
-    pub start: u32,
-    pub template_start: u32,
+    /// Its points; 0 if none reaches the threshold.
     pub length: u32,
     /// Logarithm of its affinity.
     pub log_affinity: f32,
@@ -27,13 +27,18 @@ pub(super) struct Best {
 
 /// Which lengths are tried, and what of their affinity depends on the length alone.
 pub(super) struct Lengths {
-    shortest: usize,
     longest: usize,
-    /// 1 / (angles within, times likeness squared), a length.
-    likeness: Vec<f32>,
-    /// Logarithm of the length's own factor.
-    weight: Vec<f32>,
+    terms: Vec<Term>,
     floor: f32,
+}
+
+/// The logarithm of the affinity of a piece is its weight minus its summed difference times `per_difference`.
+#[derive(Clone, Copy)]
+struct Term {
+    /// Logarithm of the length's own factor; minus infinity for lengths that are not tried.
+    weight: f32,
+    /// 1 / (angles within, times likeness squared).
+    per_difference: f32,
 }
 
 impl Lengths {
@@ -42,100 +47,106 @@ impl Lengths {
         let longest = ((points as f64 * parameters.longest) as usize).min(points);
         let shortest = parameters.shortest.max(delta + 2);
         let likeness_squared = parameters.likeness * parameters.likeness;
+        let term = |l: usize| Term {
+            weight: if l < shortest {
+                f32::NEG_INFINITY
+            } else {
+                (1.0 - (-(l as f64) / parameters.length).exp()).ln() as f32
+            },
+            per_difference: (1.0 / (angles_within(l, delta).max(1) as f64 * likeness_squared)) as f32,
+        };
         (shortest <= longest).then(|| Self {
-            shortest,
             longest,
-            likeness: (0..=longest)
-                .map(|l| (1.0 / (angles_within(l, delta).max(1) as f64 * likeness_squared)) as f32)
-                .collect(),
-            weight: (0..=longest)
-                .map(|l| (1.0 - (-(l as f64) / parameters.length).exp()).ln() as f32)
-                .collect(),
+            terms: (0..=longest).map(term).collect(),
             floor: parameters.affinity.ln() as f32,
         })
     }
 
     /// Mean squared difference of the chord angles of a piece.
     pub fn difference(&self, best: &Best, parameters: &PartialMatchParameters) -> f64 {
-        f64::from(best.sum * self.likeness[best.length as usize]) * parameters.likeness * parameters.likeness
+        let log_likeness = best.sum * self.terms[best.length as usize].per_difference;
+        f64::from(log_likeness) * (parameters.likeness * parameters.likeness)
     }
 }
 
-/// Chord angles of a template, those of one distance along the outline side by side.
+/// Chord angles of a template, those of all points at one distance along the outline side by side.
 struct Columns {
-    /// A row holds the angles of all points, then the first ones again.
-    width: usize,
-    at_end: Vec<f32>,
-    at_start: Vec<f32>,
+    /// Half of a row holds one angle of all points, then of the first ones again; the other half the other angle.
+    half: usize,
+    rows: Vec<f32>,
 }
 
 impl Columns {
     fn new(template: &ChordAngles, longest: usize) -> Self {
-        let n = template.n;
-        let width = n + LANES;
-        let columns = |angles: &[f32]| {
-            let mut rows = Vec::with_capacity(longest * width);
-            for k in 0..longest {
-                rows.extend((0..width).map(|j| angles[(j % n) * n + k]));
+        let n = template.len();
+        let half = n + LANES;
+        let mut rows = vec![0.0; 2 * half * longest];
+        for j in 0..half {
+            let angles = template.row(j % n);
+            for (row, [end, start]) in rows.chunks_exact_mut(2 * half).zip(angles) {
+                row[j] = *end;
+                row[half + j] = *start;
             }
-            rows
-        };
-        Self {
-            width,
-            at_end: columns(&template.at_end),
-            at_start: columns(&template.at_start),
         }
+        Self { half, rows }
     }
 }
 
-/// The best piece at every pair of starting points that reaches the threshold, in no particular order.
+/// The best piece at every pair of starting points, row by row of the seen outline's points.
 pub(super) fn best_pieces(seen: &ChordAngles, template: &ChordAngles, lengths: &Lengths) -> Vec<Best> {
-    let columns = Columns::new(template, lengths.longest);
-    let mut found = Vec::new();
-    let mut sweep = Sweep {
+    widest(Sweep {
         seen,
-        columns: &columns,
+        n: template.len(),
+        columns: &Columns::new(template, lengths.longest),
         lengths,
         sums: vec![[0.0; LANES]; lengths.longest + 1],
-    };
-    for first in (0..template.n).step_by(LANES) {
-        sweep.offsets(first, template.n, &mut found);
-    }
-    found
+        best: vec![Best::default(); seen.len() * template.len()],
+    })
 }
 
 struct Sweep<'a> {
     seen: &'a ChordAngles,
+    /// Points of the template.
+    n: usize,
     columns: &'a Columns,
     lengths: &'a Lengths,
     /// For every length the summed difference of the piece of that length from the current points on.
     sums: Vec<Lanes>,
+    best: Vec<Best>,
+}
+
+impl Kernel for Sweep<'_> {
+    type Output = Vec<Best>;
+
+    #[inline(always)]
+    fn run(mut self) -> Vec<Best> {
+        for first in (0..self.n).step_by(LANES) {
+            self.offsets(first);
+        }
+        self.best
+    }
 }
 
 impl Sweep<'_> {
-    /// Sweeps the offsets from `first` on, as many as there are lanes; those beyond `n` are repetitions.
-    fn offsets(&mut self, first: usize, n: usize, found: &mut Vec<Best>) {
-        let (m, longest) = (self.seen.n, self.lengths.longest);
-        let lanes = LANES.min(n - first);
+    /// Sweeps the offsets from `first` on, as many as there are lanes; those beyond the last are repetitions.
+    #[inline(always)]
+    fn offsets(&mut self, first: usize) {
+        let (m, n, longest) = (self.seen.len(), self.n, self.lengths.longest);
         self.sums.fill([0.0; LANES]);
         // Pieces run over the start, so the sums are first built up over the points behind it.
         for i in (0..m + longest).rev() {
             let known = if i >= m { longest - (i - m) } else { longest };
             let at = (i + first) % n;
-            let (log, length) = self.step(i % m, at, known);
+            let (log_affinity, length) = self.step(i % m, at, known);
             if i >= m {
                 continue;
             }
-            for lane in 0..lanes {
-                if length[lane] > 0 {
-                    found.push(Best {
-                        start: i as u32,
-                        template_start: ((at + lane) % n) as u32,
-                        length: length[lane],
-                        log_affinity: log[lane],
-                        sum: self.sums[length[lane] as usize][lane],
-                    });
-                }
+            for lane in 0..LANES.min(n - first) {
+                self.best[i * n + (at + lane) % n] = Best {
+                    length: length[lane],
+                    log_affinity: log_affinity[lane],
+                    sum: self.sums[length[lane] as usize][lane],
+                };
             }
         }
     }
@@ -143,37 +154,40 @@ impl Sweep<'_> {
     /// Puts the pair of points before all pieces of up to `known` points; the greatest affinities, and their lengths.
     #[inline(always)]
     fn step(&mut self, i: usize, at: usize, known: usize) -> (Lanes, [u32; LANES]) {
-        let (delta, shortest) = (self.seen.delta, self.lengths.shortest);
-        let seen_end = &self.seen.at_end[i * self.seen.n..][..known];
-        let seen_start = &self.seen.at_start[i * self.seen.n..][..known];
         let (mut best, mut length) = ([self.lengths.floor; LANES], [0; LANES]);
-        let mut pairs = [0.0; LANES];
-        let mut shorter = [0.0; LANES];
-        for k in delta + 1..known {
-            let from = k * self.columns.width + at;
-            let (Some(ends), Some(starts)) = (
-                self.columns.at_end[from..].first_chunk::<LANES>(),
-                self.columns.at_start[from..].first_chunk::<LANES>(),
-            ) else {
+        let (mut added, mut shorter) = ([0.0; LANES], [0.0; LANES]);
+        // Nearer pairs of points have no angles, shorter pieces no pairs.
+        let k = self.seen.delta + 1;
+        let Columns { half, rows } = self.columns;
+        // Slices of known length: other iterators are called, not inlined.
+        let (Some(pairs), Some(sums), Some(terms)) = (
+            self.seen.row(i).get(k..known),
+            self.sums.get_mut(k + 1..=known),
+            self.lengths.terms.get(k + 1..=known),
+        ) else {
+            return (best, length);
+        };
+        let columns = rows[k * 2 * half..].chunks_exact(2 * half);
+        let mut l = k as u32;
+        for (((&[end, start], row), term), sums) in pairs.iter().zip(columns).zip(terms).zip(sums) {
+            l += 1;
+            let (Some(ends), Some(starts)) = (row[at..].first_chunk(), row[half + at..].first_chunk()) else {
                 break;
             };
-            let l = k + 1;
-            let (end, start) = (seen_end[k], seen_start[k]);
-            let sums = &mut self.sums[l];
+            let (ends, starts): (&Lanes, &Lanes) = (ends, starts);
             for lane in 0..LANES {
-                pairs[lane] += square_wrapped(end - ends[lane]) + square_wrapped(start - starts[lane]);
-                let sum = shorter[lane] + pairs[lane];
+                added[lane] += square_wrapped(end - ends[lane]) + square_wrapped(start - starts[lane]);
+            }
+            for lane in 0..LANES {
+                let sum = shorter[lane] + added[lane];
                 shorter[lane] = sums[lane];
                 sums[lane] = sum;
             }
-            if l >= shortest {
-                let (weight, likeness) = (self.lengths.weight[l], self.lengths.likeness[l]);
-                for lane in 0..LANES {
-                    let log = weight - sums[lane] * likeness;
-                    let better = log > best[lane];
-                    best[lane] = if better { log } else { best[lane] };
-                    length[lane] = if better { l as u32 } else { length[lane] };
-                }
+            for lane in 0..LANES {
+                let log = term.weight - sums[lane] * term.per_difference;
+                let better = log > best[lane];
+                best[lane] = if better { log } else { best[lane] };
+                length[lane] = if better { l } else { length[lane] };
             }
         }
         (best, length)
