@@ -6,7 +6,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -219,9 +219,10 @@ def _run_all(
     from rich.progress import track
 
     from foldrs import _core
+    from foldrs._workers import fitting_threads
 
     threads = _core.set_threads(jobs)
-    with ThreadPoolExecutor(min(threads, len(images))) as pool:
+    with fitting_threads(min(jobs or threads, threads, len(images))) as pool:
         running = {pool.submit(job.run, image): image for image in images}
         console = Console(stderr=True)
         quiet = len(images) == 1 or not console.is_terminal
