@@ -186,9 +186,7 @@ def result_of(
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
     model = FoldedModel(best, px_per_unit, grasp, outline)
-    _ = model.unfolding_plan  # which takes all the rest: the model is computed when it is first asked for
-    clock.lap("model")
-    return FitResult(
+    result = FitResult(
         garment_type=best.template.garment_type,
         accepted=best.accepted,
         matching_cost=best.cost,
@@ -206,11 +204,11 @@ def result_of(
         unfolding_plan=model.unfolding_plan,
         alternatives=with_probabilities(explanations, temperature),
         image=image,
-        seconds=clock.seconds,
-        timings=dict(clock.stages),
         candidate_creases=candidate_creases,
         stages=stages,
     )
+    clock.lap("model")
+    return replace(result, seconds=clock.seconds, timings=dict(clock.stages))
 
 
 def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:
