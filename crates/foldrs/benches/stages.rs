@@ -31,7 +31,7 @@ fn on_threads(criterion: &mut Criterion, name: &str, run: impl Fn() + Sync) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.expect("threads can be started");
         group.bench_function(BenchmarkId::new("threads", threads), |bencher| {
-            pool.install(|| bencher.iter(|| black_box(run())));
+            pool.install(|| bencher.iter(&run));
         });
     }
 }
