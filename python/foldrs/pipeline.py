@@ -163,12 +163,13 @@ def fit(
         sight.points,
         grasp,
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
-        clock=clock,
         temperature=temperature,
         candidate_creases=tuple(seen.sides),
         stages=stages,
     )
-    return sight.in_photograph(result)
+    result = sight.in_photograph(result)
+    clock.lap("model")
+    return replace(result, seconds=clock.seconds, timings=dict(clock.stages))
 
 
 def result_of(
@@ -177,7 +178,6 @@ def result_of(
     grasp: GraspParameters,
     *,
     image: str,
-    clock: Stopwatch,
     temperature: float,
     candidate_creases: tuple[NDArray[np.float64], ...] = (),
     stages: tuple[FittingPass, ...] = (),
@@ -186,7 +186,7 @@ def result_of(
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
     model = FoldedModel(best, px_per_unit, grasp, outline)
-    result = FitResult(
+    return FitResult(
         garment_type=best.template.garment_type,
         accepted=best.accepted,
         matching_cost=best.cost,
@@ -207,8 +207,6 @@ def result_of(
         candidate_creases=candidate_creases,
         stages=stages,
     )
-    clock.lap("model")
-    return replace(result, seconds=clock.seconds, timings=dict(clock.stages))
 
 
 def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:

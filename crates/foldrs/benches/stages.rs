@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use common::{outline, AXIS};
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion};
-use foldrs::fit::{explain_jointly, FlexibleTemplate};
+use foldrs::fit::{explain_jointly, FlexibleTemplate, FoldCount};
 use foldrs::matching::{cheapest_folds, claim_axes, match_folded, Seen};
 use foldrs::{fold, Outline, Parameters};
 
@@ -66,12 +66,14 @@ fn joint_fit(criterion: &mut Criterion) {
         .map(|t| FlexibleTemplate::new(t, &[], &parameters.fit))
         .collect();
     on_threads(criterion, "explain_jointly", || {
+        let folds = FoldCount::Exactly(1);
         black_box(explain_jointly(
             &seen,
             &flexible,
             &claims,
             Some(1.0),
             None,
+            folds,
             &parameters,
         ));
     });
