@@ -50,7 +50,7 @@ def work(name: str, folder: Path) -> Callable[[], Any]:
     if name == "scoring":
         return lambda: seen.matches(outlines)
     flexible = [flexible_template(t, parameters) for t in builtin_templates()]
-    return lambda: _core.fit_jointly(seen, outlines, flexible)
+    return lambda: _core.fit_jointly(seen, outlines, flexible, 1)
 
 
 def measure(name: str, threads: int, repeat: int, folder: Path) -> None:
