@@ -4,7 +4,7 @@ use super::bytes::Bytes;
 use foldrs::inner_distance::inner_distances;
 use foldrs::model::Region;
 use foldrs::outline::signed_area;
-use foldrs::shape_context::{chi_squared, shape_contexts, ShapeContextParameters};
+use foldrs::shape_context::{chi_squared, mirrored_shape_contexts, shape_contexts, ShapeContextParameters};
 use foldrs::{Outline, Point, Segment};
 
 fn finite(p: &Point) -> bool {
@@ -123,7 +123,9 @@ pub fn inner_distance(data: &[u8]) {
             }
         }
     }
-    let contexts = shape_contexts(&points, &inner, &ShapeContextParameters::default());
-    let costs = chi_squared(&contexts, &contexts.mirrored());
+    let parameters = ShapeContextParameters::default();
+    let contexts = shape_contexts(&points, &inner, &parameters);
+    let mirrored = mirrored_shape_contexts(&points, &inner, &parameters);
+    let costs = chi_squared(&contexts, &mirrored);
     assert!(costs.values.iter().all(|cost| (-1e-5..=2.00001).contains(cost)));
 }

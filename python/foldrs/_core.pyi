@@ -48,6 +48,12 @@ __version__: str
 def set_threads(threads: int | None = None) -> int:
     """Set the size of the thread pool unless it is in use already; return the size it has."""
 
+def stop_all(stopped: bool = True) -> None:
+    """Make long calls, running and to come, raise KeyboardInterrupt in every thread; or no longer, by False.
+
+    A signal ends only what Python's main thread is at: programs that fit in other threads call this first.
+    """
+
 def default_parameters() -> dict[str, Any]:
     """Parameters of the crate's stages with their defaults, grouped by stage."""
 
@@ -231,11 +237,12 @@ class Seen:
     def sides(self) -> list[_Points]:
         """The candidate creases (2, 2)."""
     def matches(
-        self, templates: Sequence[_Points], scale: float | None = None
+        self, templates: Sequence[_Points], scale: float | None = None, cheapest_only: bool = False
     ) -> tuple[list[Candidate], list[float]]:
         """Match against templates: all folds tested, cheapest first, and the cost of every template unfolded.
 
-        `scale` is the number of seen units a template unit, if known.
+        `scale` is the number of seen units a template unit, if known. With `cheapest_only` only the cheapest
+        fold of every template is returned, much sooner.
         """
     def explain(self, template: _Points, candidate: Candidate) -> Explanation | None:
         """Lay a fold of a template over the seen outline."""

@@ -7,7 +7,7 @@ import pickle
 import tempfile
 import warnings
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from foldrs import _core
 from foldrs._killable import Killable
+from foldrs._workers import fitting_threads
 from foldrs.doubts import noted_doubts
 from foldrs.errors import FoldrsError, GarmentCutOffWarning, ParameterError, WorkerLostError
 from foldrs.result import FitResult
@@ -174,11 +175,8 @@ def fit_as_ready(
     workers = min(threads, len(images)) if isinstance(images, (list, tuple)) else threads
     if timeout is not None:
         task = Killable(task, timeout, threads // max(workers, 1))
-    pool = ThreadPoolExecutor(max(workers, 1))
-    try:
+    with fitting_threads(max(workers, 1)) as pool:
         yield from _run(task, images, pool, 2 * workers, send_files)
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def in_order(numbered: Iterable[tuple[int, T]]) -> Iterator[T]:

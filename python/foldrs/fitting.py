@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from foldrs import _core
+from foldrs._stopwatch import Stopwatch
 from foldrs.alternatives import alike
 from foldrs.explanation import Explanation, directed_crease
 from foldrs.landmark import carried
@@ -66,6 +67,7 @@ def fit_iteratively(
     px_per_unit: float | None,
     parameters: FittingParameters,
     same: AlternativeParameters,
+    clock: Stopwatch | None = None,
 ) -> list[IterativeFit]:
     """Match templates and fit them, in turn (section 2.2).
 
@@ -81,14 +83,18 @@ def fit_iteratively(
         Parameters of the stage.
     same : AlternativeParameters
         When two folds are one, so that the iteration does not start from it twice.
+    clock : Stopwatch, optional
+        Gets the laps ``matching``, of the templates as given, and ``fitting``, all that follows.
 
     Returns
     -------
     list of IterativeFit
         One a start, the cheapest explanation first; empty if no fold of any template could be compared.
     """
+    clock = clock or Stopwatch()
     iteration = _Iteration(seen, px_per_unit, parameters)
     courses = [[stage] for stage in iteration.starts(templates, same)]
+    clock.lap("matching")
     moving = courses
     for _ in range(parameters.iterations):
         moving = iteration.advance(moving)
@@ -96,6 +102,7 @@ def fit_iteratively(
         # The cheapest stage is placed by its registration: the last one has none yet.
         course[-1] = replace(course[-1], update=course[-1].update or iteration.update(course[-1]))
     fits = [fit for fit in map(IterativeFit, map(tuple, courses)) if fit.explanation.holds]
+    clock.lap("fitting")
     return sorted(fits, key=lambda fit: fit.explanation.cost)  # stable: equals keep their order
 
 
@@ -109,7 +116,24 @@ class _Iteration:
 
     def starts(self, templates: Sequence[Template], same: AlternativeParameters) -> list[FitStage]:
         """Find the folds of the templates as given to start from: the cheapest distinct ones of each."""
-        candidates, unfolded = self.seen.matches([t.outline for t in templates], self.px_per_unit)
+        outlines = [t.outline for t in templates]
+        # One start is the cheapest fold; where that cannot be laid over the outline, others are looked at.
+        if self.parameters.starts == 1:
+            cheapest, unfolded = self.seen.matches(outlines, self.px_per_unit, cheapest_only=True)
+            found = self._distinct(templates, cheapest, unfolded, same)
+            if all(found[candidate.template] for candidate in cheapest):
+                return [stage for stages in found for stage in stages]
+        found = self._distinct(templates, *self.seen.matches(outlines, self.px_per_unit), same)
+        return [stage for stages in found for stage in stages]
+
+    def _distinct(
+        self,
+        templates: Sequence[Template],
+        candidates: Sequence[_core.Candidate],
+        unfolded: Sequence[float],
+        same: AlternativeParameters,
+    ) -> list[list[FitStage]]:
+        """Lay the cheapest distinct candidates of every template over the outline."""
         per_template: list[list[FitStage]] = [[] for _ in templates]
         spare = max(self.parameters.starts_in_all - len(templates), 0)
         for candidate in candidates:
@@ -122,7 +146,7 @@ class _Iteration:
                 continue
             spare -= bool(found)
             found.append(stage)
-        return [stage for found in per_template for stage in found]
+        return per_template
 
     def advance(self, courses: Sequence[list[FitStage]]) -> list[list[FitStage]]:
         """Match the updated template of every course and add the stage; return the courses that go on."""
@@ -134,8 +158,10 @@ class _Iteration:
                 going.append((course, update.outline))
         if not going:
             return []
-        candidates, unfolded = self.seen.matches([outline for _, outline in going], self.px_per_unit)
-        cheapest = {c.template: c for c in reversed(candidates)}
+        candidates, unfolded = self.seen.matches(
+            [outline for _, outline in going], self.px_per_unit, cheapest_only=True
+        )
+        cheapest = {c.template: c for c in candidates}
         moved = []
         for i, (course, outline) in enumerate(going):
             if i not in cheapest:

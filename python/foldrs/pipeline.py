@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _core
+from foldrs._stopwatch import Stopwatch
 from foldrs.alternatives import distinct, with_probabilities
 from foldrs.camera import Camera, Pose, TablePlane
 from foldrs.errors import NoHypothesisError, ParameterError
@@ -109,7 +109,7 @@ def fit(
     >>> sum(mark.accessible for mark in result.landmarks.values())
     3
     """
-    start = time.perf_counter()
+    clock = Stopwatch()
     parameters = parameters or Parameters()
     check_scale(px_per_cm)
     check_method(method)
@@ -126,15 +126,16 @@ def fit(
         robot_base=robot_base,
         parameters=parameters,
     )
+    clock.lap("view")
     found = find_outline(ground.source, mask=ground.mask, parameters=parameters.outline)
     sight = ground.sight(found)
     px_per_cm = sight.px_per_cm or px_per_cm
+    clock.lap("outline")
     seen = _core.Seen(sight.points, asdict(parameters.matching))
-    segmented = time.perf_counter()
 
     stages: tuple[FittingPass, ...] = ()
     if method == "paper":
-        fits = fit_iteratively(seen, chosen, px_per_cm, parameters.fitting, parameters.alternatives)
+        fits = fit_iteratively(seen, chosen, px_per_cm, parameters.fitting, parameters.alternatives, clock)
         explanations = [one.explanation for one in fits]
         stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
@@ -144,7 +145,9 @@ def fit(
         edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
         if edges is not None and sight.heights is not None:
             edges = with_heights(edges, sight.heights, parameters.depth.step_blur)
+        clock.lap("picture")
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, folds, parameters)
+        clock.lap("matching")
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp
     best = distinct(explanations, chosen, temperature, parameters.alternatives)
@@ -153,20 +156,20 @@ def fit(
             "no fold of any template could be compared with the outline: "
             "check the scale (px_per_cm) and that the templates are of the garment's kind"
         )
-    matched = time.perf_counter()
+    clock.lap("alternatives")
 
     result = result_of(
         best,
         sight.points,
         grasp,
         image=Path(source).name if isinstance(source, (str, os.PathLike)) else "",
-        timings={"outline": segmented - start, "matching": matched - segmented},
-        start=start,
         temperature=temperature,
         candidate_creases=tuple(seen.sides),
         stages=stages,
     )
-    return sight.in_photograph(result)
+    result = sight.in_photograph(result)
+    clock.lap("model")
+    return replace(result, seconds=clock.seconds, timings=dict(clock.stages))
 
 
 def result_of(
@@ -175,8 +178,6 @@ def result_of(
     grasp: GraspParameters,
     *,
     image: str,
-    timings: dict[str, float],
-    start: float,
     temperature: float,
     candidate_creases: tuple[NDArray[np.float64], ...] = (),
     stages: tuple[FittingPass, ...] = (),
@@ -203,8 +204,6 @@ def result_of(
         unfolding_plan=model.unfolding_plan,
         alternatives=with_probabilities(explanations, temperature),
         image=image,
-        seconds=time.perf_counter() - start,
-        timings=timings,
         candidate_creases=candidate_creases,
         stages=stages,
     )

@@ -147,7 +147,7 @@ pub(crate) fn fit_jointly(
     } else {
         FoldCount::Exactly(folds)
     };
-    let fits = py.detach(|| {
+    let fits = crate::interrupt::run(py, || {
         let claims = claim_axes(&seen.seen, &outlines, scale, &seen.parameters);
         explain_jointly(
             &seen.seen,
@@ -158,7 +158,7 @@ pub(crate) fn fit_jointly(
             folds,
             &seen.parameters,
         )
-    });
+    })?;
     Ok(PyJointFits(fits))
 }
 

@@ -5,6 +5,7 @@ mod convert;
 mod fit;
 mod fold;
 mod inner_distance;
+mod interrupt;
 mod matching;
 mod model;
 mod outline;
@@ -25,6 +26,8 @@ mod _core {
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]
     use super::inner_distance::inner_distances;
+    #[pymodule_export]
+    use super::interrupt::stop_all;
     #[pymodule_export]
     use super::matching::{default_parameters, PyCandidate, PyExplanation, PySeen};
     #[pymodule_export]

@@ -3,7 +3,7 @@
 use crate::convert::{array, outline};
 use foldrs::fold::Layer;
 use foldrs::hypothesis::Face;
-use foldrs::matching::{explain, match_folded, Candidate, Seen};
+use foldrs::matching::{cheapest_folds, explain, match_folded, Candidate, Seen};
 use foldrs::registration::PlaneMap;
 use foldrs::{Outline, Parameters};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
@@ -54,15 +54,21 @@ impl PySeen {
     }
 
     /// Matches against templates; candidates best first, and the cost of every template unfolded.
-    #[pyo3(signature = (templates, scale=None))]
+    #[pyo3(signature = (templates, scale=None, cheapest_only=false))]
     fn matches(
         &self,
         py: Python<'_>,
         templates: Vec<PyReadonlyArray2<'_, f64>>,
         scale: Option<f64>,
+        cheapest_only: bool,
     ) -> PyResult<(Vec<PyCandidate>, Vec<f64>)> {
         let templates: Vec<Outline> = templates.iter().map(outline).collect::<PyResult<_>>()?;
-        let matching = py.detach(|| match_folded(&self.seen, &templates, scale, &self.parameters));
+        let find = if cheapest_only {
+            cheapest_folds
+        } else {
+            match_folded
+        };
+        let matching = crate::interrupt::run(py, || find(&self.seen, &templates, scale, &self.parameters))?;
         Ok((
             matching.candidates.into_iter().map(PyCandidate).collect(),
             matching.unfolded,

@@ -4,6 +4,7 @@
 //! 2015, sections 2.1.2 and 2.2.
 
 use crate::shape_context::CostMatrix;
+use crate::wide::{widest, Kernel};
 
 /// Starts tried at once; eight single-precision lanes fill the vector registers of common machines.
 const LANES: usize = 8;
@@ -118,9 +119,27 @@ impl Floor {
     fn new(cost: &CostMatrix, penalty: f32) -> Self {
         let mut rest = vec![0.0; cost.rows + 1];
         for i in (0..cost.rows).rev() {
-            rest[i] = rest[i + 1] + cost.row(i).iter().copied().fold(penalty, least);
+            rest[i] = rest[i + 1] + widest(Least(cost.row(i))).min(penalty);
         }
         Self { rest }
+    }
+}
+
+/// The least of some costs.
+struct Least<'a>(&'a [f32]);
+
+impl Kernel for Least<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        // Several at a time, or each comparison would wait for the one before.
+        let mut low = [f32::INFINITY; LANES];
+        let (chunks, others) = self.0.as_chunks::<LANES>();
+        for chunk in chunks {
+            low = std::array::from_fn(|lane| least(low[lane], chunk[lane]));
+        }
+        low.iter().chain(others).copied().fold(f32::INFINITY, least)
     }
 }
 
@@ -201,27 +220,58 @@ fn pad(starts: &[usize]) -> [usize; LANES] {
 /// those past their start in the current row, the others still in the row before. So no costs need to be
 /// gathered, and what a lane needs of its last row is always in the cell it is about to fill.
 fn totals(cost: &CostMatrix, penalty: f32, starts: &[usize; LANES], floor: &Floor, limit: f32) -> Lanes {
-    let (n, m) = (cost.rows, cost.columns);
-    let mut front = Front::new(m, starts, penalty);
-    let mut totals = [0.0; LANES];
-    for i in 0..=n {
-        // The pass after the last row serves the lanes that still finish it.
-        let (row, before) = (cost.row(i.min(n - 1)), cost.row(i.saturating_sub(1)));
-        let mut column = 0;
-        for lane in 0..LANES {
-            front.advance(lane, row, before, column..starts[lane]);
-            column = starts[lane];
-            totals[lane] = front.left[lane];
-            front.left[lane] = (i + 1) as f32 * penalty;
-            front.diagonal[lane] = i as f32 * penalty;
+    widest(Round {
+        cost,
+        penalty,
+        starts,
+        floor,
+        limit,
+    })
+}
+
+/// One round of the second outline, from several starts.
+struct Round<'a> {
+    cost: &'a CostMatrix,
+    penalty: f32,
+    starts: &'a [usize; LANES],
+    floor: &'a Floor,
+    limit: f32,
+}
+
+impl Kernel for Round<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn run(self) -> Lanes {
+        let Self {
+            cost,
+            penalty,
+            starts,
+            floor,
+            limit,
+        } = self;
+        let (n, m) = (cost.rows, cost.columns);
+        let mut front = Front::new(m, starts, penalty);
+        let mut totals = [0.0; LANES];
+        for i in 0..=n {
+            // The pass after the last row serves the lanes that still finish it.
+            let (row, before) = (cost.row(i.min(n - 1)), cost.row(i.saturating_sub(1)));
+            let mut column = 0;
+            for lane in 0..LANES {
+                front.advance(lane, row, before, column..starts[lane]);
+                column = starts[lane];
+                totals[lane] = front.left[lane];
+                front.left[lane] = (i + 1) as f32 * penalty;
+                front.diagonal[lane] = i as f32 * penalty;
+            }
+            front.advance(LANES, row, before, column..m);
+            let look = i % ROWS_BETWEEN_LOOKS == ROWS_BETWEEN_LOOKS - 1 && limit < f32::INFINITY;
+            if look && i < n && front.least().min(i as f32 * penalty) + floor.rest[i + 1] >= limit {
+                return [f32::INFINITY; LANES];
+            }
         }
-        front.advance(LANES, row, before, column..m);
-        let look = i % ROWS_BETWEEN_LOOKS == ROWS_BETWEEN_LOOKS - 1 && limit < f32::INFINITY;
-        if look && i < n && front.least().min(i as f32 * penalty) + floor.rest[i + 1] >= limit {
-            return [f32::INFINITY; LANES];
-        }
+        totals
     }
-    totals
 }
 
 type Lanes = [f32; LANES];
@@ -252,6 +302,7 @@ impl Front {
     }
 
     /// Moves over some columns; the first `ahead` lanes are in `row`, the others in the one `before`.
+    #[inline(always)]
     fn advance(&mut self, ahead: usize, row: &[f32], before: &[f32], columns: std::ops::Range<usize>) {
         let mask: [u32; LANES] = std::array::from_fn(|lane| if lane < ahead { u32::MAX } else { 0 });
         let (mut left, mut diagonal, penalty) = (self.left, self.diagonal, self.penalty);
@@ -271,6 +322,7 @@ impl Front {
     }
 
     /// Lower bound of what any lane has cost so far, unless it skipped all rows.
+    #[inline(always)]
     fn least(&self) -> f32 {
         self.line
             .iter()
@@ -283,6 +335,7 @@ impl Front {
 }
 
 /// The smaller one; unlike `f32::min` a single instruction.
+#[inline(always)]
 fn least(a: f32, b: f32) -> f32 {
     if a < b {
         a

@@ -9,6 +9,7 @@ pub mod fit;
 pub mod fold;
 pub mod hypothesis;
 pub mod inner_distance;
+pub mod interrupt;
 pub mod matching;
 pub mod model;
 pub mod outline;
@@ -20,6 +21,7 @@ pub mod shape_context;
 pub mod stack;
 
 mod parallel;
+mod wide;
 
 pub use error::{FoldError, OutlineError};
 pub use fold::{fold, Folded, Layer};

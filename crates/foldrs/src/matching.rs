@@ -4,15 +4,16 @@
 
 use crate::alignment::{align, Alignment};
 use crate::crease::Axis;
-use crate::fold::{fold, Folded, FoldedPoint};
+use crate::fold::{creased_chords, fold, FoldedPoint};
 use crate::hypothesis::{aggregate, hypotheses, Face, Hypothesis, SampledFace};
 use crate::inner_distance::inner_distances;
 use crate::outline::Side;
 use crate::parameters::Parameters;
 use crate::partial_match::partial_matches;
 use crate::registration::PlaneMap;
-use crate::shape_context::{chi_squared, shape_contexts, ShapeContexts};
+use crate::shape_context::{chi_squared, mirrored_shape_contexts, shape_contexts, ShapeContexts};
 use crate::{parallel, Outline, Point, Segment};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// All that depends on the seen outline alone, prepared once for all templates and iterations.
 #[derive(Debug, Clone)]
@@ -88,24 +89,101 @@ pub fn match_folded(
     scale: Option<f64>,
     parameters: &Parameters,
 ) -> Matching {
+    let claims = claims_to_test(seen, templates, scale, parameters);
+    let mut candidates: Vec<Candidate> = parallel::map(&claims, |claim| {
+        test(seen, &templates[claim.template], claim, None, parameters)
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost)); // stable: like costs keep the order of confidence
+    Matching {
+        candidates,
+        unfolded: unfolded_costs(seen, templates, parameters),
+    }
+}
+
+/// As [`match_folded`], but of every template only the cheapest candidate, the most confident of equals.
+///
+/// Much faster: what a fold found so far costs bounds the others of its template, and most of them are given up early.
+#[must_use]
+pub fn cheapest_folds(
+    seen: &Seen,
+    templates: &[Outline],
+    scale: Option<f64>,
+    parameters: &Parameters,
+) -> Matching {
+    let claims = claims_to_test(seen, templates, scale, parameters);
+    let bounds: Vec<LeastCost> = templates.iter().map(|_| LeastCost::default()).collect();
+    let costs = parallel::map(&claims, |claim| {
+        let (template, bound) = (&templates[claim.template], &bounds[claim.template]);
+        let candidate = test(seen, template, claim, Some(bound.with_margin()), parameters)?;
+        bound.lower_to(candidate.cost);
+        Some(candidate.cost)
+    });
+    // Which candidates were given up depends on the threads' luck, the best of those that were not does not.
+    let best: Vec<Claim> = claims
+        .into_iter()
+        .zip(costs)
+        .filter(|(claim, cost)| cost.is_some_and(|cost| cost <= bounds[claim.template].with_margin()))
+        .map(|(claim, _)| claim)
+        .collect();
+    let tested = parallel::map(&best, |claim| {
+        test(seen, &templates[claim.template], claim, None, parameters)
+    });
+    let mut candidates: Vec<Candidate> = tested.into_iter().flatten().collect();
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let mut found = vec![false; templates.len()];
+    candidates.retain(|c| !std::mem::replace(&mut found[c.template], true));
+    Matching {
+        candidates,
+        unfolded: unfolded_costs(seen, templates, parameters),
+    }
+}
+
+/// The claims of every template that are tested.
+fn claims_to_test(
+    seen: &Seen,
+    templates: &[Outline],
+    scale: Option<f64>,
+    parameters: &Parameters,
+) -> Vec<Claim> {
     let mut claims = claim_axes(seen, templates, scale, parameters);
     let mut tested = vec![0; templates.len()];
     claims.retain(|claim| {
         tested[claim.template] += 1;
         tested[claim.template] <= parameters.hypothesis.most
     });
-    let mut candidates: Vec<Candidate> = parallel::map(&claims, |claim| {
-        test(seen, &templates[claim.template], claim, parameters)
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost)); // stable: like costs keep the order of confidence
-    let unfolded = parallel::map(templates, |t| {
+    claims
+}
+
+/// For every template the cost of matching it unfolded.
+fn unfolded_costs(seen: &Seen, templates: &[Outline], parameters: &Parameters) -> Vec<f64> {
+    parallel::map(templates, |t| {
         let points = t.clone().positive().resample(parameters.shape_context.n_points);
-        compare(seen, &points, parameters).map_or(f64::INFINITY, |(_, a)| a.cost)
-    });
-    Matching { candidates, unfolded }
+        compare(seen, &points, None, parameters).map_or(f64::INFINITY, |(_, a)| a.cost)
+    })
+}
+
+/// The least cost that any thread found.
+struct LeastCost(AtomicU64);
+
+impl Default for LeastCost {
+    fn default() -> Self {
+        Self(AtomicU64::new(f64::INFINITY.to_bits()))
+    }
+}
+
+impl LeastCost {
+    /// Costs are not negative, so they are ordered as their bits are.
+    fn lower_to(&self, cost: f64) {
+        self.0.fetch_min(cost.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Alignments are bounded in single precision: what is no dearer than this may be the cheapest.
+    fn with_margin(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed)) * (1.0 + 1e-4) + 1e-6
+    }
 }
 
 impl Seen {
@@ -114,7 +192,7 @@ impl Seen {
     pub fn new(outline: Outline, parameters: &Parameters) -> Self {
         let outline = outline.positive();
         let points = outline.resample(parameters.shape_context.n_points);
-        let contexts = shape_contexts(&points, &inner_distances(&points), &parameters.shape_context);
+        let inner = inner_distances(&points);
         let sides = creases_of(&outline, parameters);
         let mirror_sides = sides.iter().map(|s| mirrored_side(s, outline.length())).collect();
         let (n, delta) = (parameters.partial_match.points, parameters.partial_match.delta);
@@ -123,8 +201,8 @@ impl Seen {
             SampledFace::new(Face::Mirrored, &outline.mirrored(), mirror_sides, n, delta),
         ];
         Self {
-            mirrored_contexts: contexts.mirrored(),
-            contexts,
+            contexts: shape_contexts(&points, &inner, &parameters.shape_context),
+            mirrored_contexts: mirrored_shape_contexts(&points, &inner, &parameters.shape_context),
             points,
             faces,
             outline,
@@ -233,36 +311,35 @@ pub fn claim_axes(
     scale: Option<f64>,
     parameters: &Parameters,
 ) -> Vec<Claim> {
-    let mut jobs = Vec::new();
+    let face = &seen.faces[0]; // both have the same length and number of points
+    let spacing = face.length / face.points.len() as f64;
+    let mut sizes = Vec::new();
     for (t, template) in templates.iter().enumerate() {
         let equal_area = (seen.outline.signed_area() / template.signed_area()).abs().sqrt();
         let (base, ratios) = match scale {
             Some(scale) => (scale, &parameters.partial_match.sizes),
             None => (equal_area, &parameters.partial_match.scales),
         };
-        let scales = ratios.iter().map(|r| r * base);
-        for scale in scales {
-            jobs.extend(seen.faces.iter().map(|face| (t, template, scale, face)));
-        }
+        sizes.extend(ratios.iter().map(|r| (t, template, r * base)));
     }
-    let found = parallel::map(&jobs, |&(t, template, scale, face)| {
-        let spacing = face.length / face.points.len() as f64;
+    let sampled = parallel::map(&sizes, |&(_, template, scale)| {
         // A template far larger or smaller than what is seen cannot be it; the bound keeps the cost bounded.
         let n = (template.length() * scale / spacing)
             .round()
             .clamp(20.0, 4.0 * face.points.len() as f64) as usize;
-        let sampled = SampledFace::new(
-            Face::Seen,
-            &template.clone().positive(),
-            Vec::new(),
-            n,
-            parameters.partial_match.delta,
-        );
+        let delta = parameters.partial_match.delta;
+        SampledFace::new(Face::Seen, &template.clone().positive(), Vec::new(), n, delta)
+    });
+    let mut jobs = Vec::new();
+    for (size, sampled) in sizes.iter().zip(&sampled) {
+        jobs.extend(seen.faces.iter().map(|face| (size, sampled, face)));
+    }
+    let found = parallel::map(&jobs, |&(&(t, template, scale), sampled, face)| {
         let matches = partial_matches(&face.angles, &sampled.angles, &parameters.partial_match);
         let claims = hypotheses(
             face,
             template,
-            &sampled,
+            sampled,
             &matches,
             1.0 / scale,
             &parameters.partial_match,
@@ -285,9 +362,16 @@ pub fn claim_axes(
     all
 }
 
-/// Folds the template over the axis and compares the outlines; `None` if the axis does not fold it.
-fn test(seen: &Seen, template: &Outline, claim: &Claim, parameters: &Parameters) -> Option<Candidate> {
-    let axis = creased_extent(&fold(template, &claim.hypothesis.axis).ok()?);
+/// Folds the template over the axis and compares the outlines; `None` if the axis does not fold it, or the outlines
+/// cost no less than the bound.
+fn test(
+    seen: &Seen,
+    template: &Outline,
+    claim: &Claim,
+    bound: Option<f64>,
+    parameters: &Parameters,
+) -> Option<Candidate> {
+    let axis = creased_extent(template, &claim.hypothesis.axis)?;
     let hypothesis = Hypothesis {
         axis,
         ..claim.hypothesis
@@ -296,7 +380,7 @@ fn test(seen: &Seen, template: &Outline, claim: &Claim, parameters: &Parameters)
         .iter()
         .map(|p| p.point)
         .collect();
-    let (face, alignment) = compare(seen, &points, parameters)?;
+    let (face, alignment) = compare(seen, &points, bound, parameters)?;
     Some(Candidate {
         template: claim.template,
         hypothesis,
@@ -306,12 +390,11 @@ fn test(seen: &Seen, template: &Outline, claim: &Claim, parameters: &Parameters)
 }
 
 /// The axis cut to what it creases: from where it enters the outline first to where it leaves it last.
-fn creased_extent(folded: &Folded) -> Segment {
-    match folded.creases.as_slice() {
-        [first, .., last] => [first[0], last[1]],
-        [only] => *only,
-        [] => [folded.axis.origin, folded.axis.at(folded.axis.length)],
-    }
+fn creased_extent(template: &Outline, axis: &Segment) -> Option<Segment> {
+    let axis = Axis::new(axis).ok()?;
+    let chords = creased_chords(template, &axis).ok()?;
+    let (first, last) = (chords.first()?, chords.last()?);
+    Some([axis.at(first.ends[0].position), axis.at(last.ends[1].position)])
 }
 
 /// Equally spaced points of the folded template, wound positively; `None` if the axis does not fold it.
@@ -325,15 +408,21 @@ fn folded_points(template: &Outline, axis: &Segment, parameters: &Parameters) ->
     Some(points)
 }
 
-/// The cheapest alignment of equally spaced points with the seen outline, either face up.
-fn compare(seen: &Seen, points: &[Point], parameters: &Parameters) -> Option<(Face, Alignment)> {
+/// The cheapest alignment of equally spaced points with the seen outline, either face up; `None` if it costs no less
+/// than the bound.
+fn compare(
+    seen: &Seen,
+    points: &[Point],
+    bound: Option<f64>,
+    parameters: &Parameters,
+) -> Option<(Face, Alignment)> {
     let contexts = shape_contexts(points, &inner_distances(points), &parameters.shape_context);
     let mut best: Option<(Face, Alignment)> = None;
     for (face, other) in [
         (Face::Seen, &seen.contexts),
         (Face::Mirrored, &seen.mirrored_contexts),
     ] {
-        let bound = best.as_ref().map(|b| b.1.cost);
+        let bound = best.as_ref().map(|b| b.1.cost).or(bound);
         if let Some(alignment) = align(&chi_squared(&contexts, other), &parameters.alignment, bound) {
             best = Some((face, alignment));
         }
@@ -353,7 +442,7 @@ pub fn explain(
 ) -> Option<Explanation> {
     let folded = folded_points(template, axis, parameters)?;
     let points: Vec<Point> = folded.iter().map(|p| p.point).collect();
-    let (face, alignment) = compare(seen, &points, parameters)?;
+    let (face, alignment) = compare(seen, &points, None, parameters)?;
     let n = seen.points.len();
     let mut partner = vec![None; points.len()];
     for &(row, column) in &alignment.pairs {

@@ -254,7 +254,7 @@ impl Default for FitParameters {
             correlation: 5.0,
             against: 6.0,
             bend: 0.15,
-            covered: 0.5,
+            covered: crate::fold::COVERED,
             coarse_noise: 3.0,
             coarse_iterations: 5,
             iterations: 12,

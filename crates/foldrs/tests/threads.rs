@@ -1,7 +1,7 @@
 //! The result of matching and fitting is the same on any number of threads, to the last bit.
 
 use foldrs::fit::{explain_jointly, FlexibleTemplate, FoldCount};
-use foldrs::matching::{claim_axes, Seen};
+use foldrs::matching::{cheapest_folds, claim_axes, Seen};
 use foldrs::{fold, match_folded, Outline, Parameters, Point};
 
 /// A T-shirt, cm.
@@ -37,6 +37,15 @@ fn told(parameters: &Parameters) -> (String, usize, usize) {
         .map(|t| FlexibleTemplate::new(t, &[], &parameters.fit));
     let claims = claim_axes(&seen, &templates, Some(1.0), parameters);
     let matching = match_folded(&seen, &templates, Some(1.0), parameters);
+    let cheapest = cheapest_folds(&seen, &templates, Some(1.0), parameters);
+    // What bounds the search leaves out is never the answer.
+    for found in &cheapest.candidates {
+        let first = matching.candidates.iter().find(|c| c.template == found.template);
+        assert_eq!(format!("{found:?}"), format!("{:?}", first.unwrap()));
+    }
+    let matched: std::collections::BTreeSet<usize> = matching.candidates.iter().map(|c| c.template).collect();
+    assert_eq!(cheapest.candidates.len(), matched.len());
+    assert_eq!(cheapest.unfolded, matching.unfolded);
     let fits = explain_jointly(
         &seen,
         &flexible,
@@ -47,7 +56,11 @@ fn told(parameters: &Parameters) -> (String, usize, usize) {
         parameters,
     );
     let counts = (matching.candidates.len(), fits.by_folds[2].len());
-    (format!("{claims:?} {matching:?} {fits:?}"), counts.0, counts.1)
+    (
+        format!("{claims:?} {matching:?} {cheapest:?} {fits:?}"),
+        counts.0,
+        counts.1,
+    )
 }
 
 #[test]

@@ -11,7 +11,7 @@ open       nothing is known: all templates compete
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
@@ -19,6 +19,7 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 
 from foldrs import _core
+from foldrs._workers import fitting_threads
 from foldrs.errors import FoldrsError
 from foldrs.evaluation.axes import template_distance
 from foldrs.evaluation.kinds import Kind
@@ -113,7 +114,7 @@ def run_all(
     """Measure all scenes, yielding in the order they are ready; virtual ones come with their template."""
     pairs = [(scene, None) if isinstance(scene, Scene) else scene for scene in scenes]
     threads = _core.set_threads(jobs)
-    with ThreadPoolExecutor(max(1, min(jobs or threads, len(pairs)))) as pool:
+    with fitting_threads(max(1, min(jobs or threads, len(pairs)))) as pool:
         for done in as_completed([pool.submit(evaluation.run, *pair) for pair in pairs]):
             yield done.result()
 

@@ -1,0 +1,138 @@
+//! The union of kept part and flap, each edge telling where it comes from: the seam to the overlay library.
+
+use super::{Layer, Piece, Source};
+use crate::outline::{foot, signed_area};
+use crate::{Point, Segment};
+use i_overlay::core::edge_data::{EdgeDataMerge, OverlayEdgeData};
+use i_overlay::core::edge_overlay::{EdgeOverlay, InputEdge};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::ShapeType;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::core::solver::Precision;
+use i_overlay::i_float::int::point::IntPoint;
+use i_overlay::segm::boolean::ShapeCountBoolean;
+
+/// Index of the input edge an edge of the union comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct EdgeId(u32);
+
+impl OverlayEdgeData for EdgeId {
+    type Store = ();
+
+    /// Edges on top of each other: the first given names the result, whatever the order they are met in.
+    fn merge(ctx: EdgeDataMerge<ShapeCountBoolean, Self>, _: &mut ()) -> Self {
+        Self(ctx.lhs_data.0.min(ctx.rhs_data.0))
+    }
+}
+
+/// Outline of the union of all pieces, with the number of its holes and of polygons apart.
+///
+/// The overlay works on an integer grid: vertices move by about 1e-9 of the extent.
+pub(super) fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize, usize)> {
+    let grid = Grid::around(kept.iter().chain(flap).flat_map(|p| &p.points));
+    let mut overlay = EdgeOverlay::<i32, EdgeId>::new(256);
+    // Crossings are rounded to the grid, which may make new ones: the coarsest rounding, still some 1e-9 of the extent
+    // at first, ends that soonest. With the finest a tangle of thirty edges can take seconds.
+    overlay.solver.precision = Precision::LOW;
+    let mut inputs: Vec<(Segment, Source)> = Vec::with_capacity(256);
+    for (pieces, shape) in [(kept, ShapeType::Subject), (flap, ShapeType::Clip)] {
+        for piece in pieces {
+            let n = piece.points.len();
+            for i in 0..n {
+                let (a, b) = (piece.points[i], piece.points[(i + 1) % n]);
+                let data = EdgeId(inputs.len() as u32);
+                overlay.add_edge(
+                    InputEdge {
+                        a: grid.snap(&a),
+                        b: grid.snap(&b),
+                        data,
+                    },
+                    shape,
+                );
+                inputs.push(([a, b], piece.sources[i]));
+            }
+        }
+    }
+    let shapes = overlay.build_vector_shapes(OverlayRule::Union, FillRule::NonZero);
+    let area = |ring: &[(Point, EdgeId)]| signed_area(&ring.iter().map(|e| e.0).collect::<Vec<_>>());
+    let mut rings: Vec<(Vec<(Point, EdgeId)>, usize)> = shapes
+        .iter()
+        .filter_map(|shape| {
+            let outer = shape.first()?;
+            Some((
+                outer.iter().map(|e| (grid.back(&e.a), e.data)).collect(),
+                shape.len() - 1,
+            ))
+        })
+        .collect();
+    let largest =
+        (0..rings.len()).max_by(|&a, &b| area(&rings[a].0).abs().total_cmp(&area(&rings[b].0).abs()))?;
+    let apart = rings.len() - 1;
+    let (mut ring, holes) = rings.swap_remove(largest);
+    if (area(&ring) > 0.0) != positive {
+        // Reverse the ring; every edge's data must follow its edge.
+        let ids: Vec<EdgeId> = ring.iter().map(|e| e.1).collect();
+        let n = ring.len();
+        ring.reverse();
+        for (i, e) in ring.iter_mut().enumerate() {
+            e.1 = ids[(2 * n - 2 - i) % n];
+        }
+    }
+    let n = ring.len();
+    let mut piece = Piece {
+        points: Vec::with_capacity(n),
+        sources: Vec::with_capacity(n),
+    };
+    for i in 0..n {
+        let (a, id) = ring[i];
+        let b = ring[(i + 1) % n].0;
+        let (edge, source) = &inputs[id.0 as usize];
+        let on = |p: &Point| {
+            let t = foot(edge, p).clamp(0.0, 1.0);
+            source.arc[0] + t * (source.arc[1] - source.arc[0])
+        };
+        let arc = if source.layer == Layer::Crease {
+            crease_arc(edge, source, &a, &b)
+        } else {
+            [on(&a), on(&b)]
+        };
+        piece.push(a, source.layer, arc);
+    }
+    Some((piece, holes, apart))
+}
+
+/// The crease joins two far places of the unfolded outline: each end of a creased edge belongs to the nearer one.
+fn crease_arc(edge: &Segment, source: &Source, a: &Point, b: &Point) -> [f64; 2] {
+    let end = |p: &Point| source.arc[usize::from(foot(edge, p) > 0.5)];
+    [end(a), end(b)]
+}
+
+/// An integer grid of some 2^30 steps over the pieces.
+struct Grid {
+    centre: Point,
+    scale: f64,
+}
+
+impl Grid {
+    fn around<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
+        let (mut low, mut high) = (Point::new(f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN));
+        for p in points {
+            low = Point::new(low.x.min(p.x), low.y.min(p.y));
+            high = Point::new(high.x.max(p.x), high.y.max(p.y));
+        }
+        let half = ((high.x - low.x).max(high.y - low.y) / 2.0).max(f64::MIN_POSITIVE);
+        Self {
+            centre: nalgebra::center(&low, &high),
+            scale: f64::from(1 << 29) / half,
+        }
+    }
+
+    fn snap(&self, p: &Point) -> IntPoint<i32> {
+        let v = (p - self.centre) * self.scale;
+        IntPoint::new(v.x.round() as i32, v.y.round() as i32)
+    }
+
+    fn back(&self, p: &IntPoint<i32>) -> Point {
+        self.centre + nalgebra::Vector2::new(f64::from(p.x), f64::from(p.y)) / self.scale
+    }
+}
