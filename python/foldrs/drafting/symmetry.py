@@ -14,6 +14,10 @@ from foldrs.drafting.parameters import DraftParameters
 Points = NDArray[np.float64]
 
 
+_SAME_AXIS = math.radians(15.0)
+"""Axes whose directions differ by less are one: those of a garment are 45 degrees apart or more."""
+
+
 @dataclass(frozen=True, eq=False)
 class MirrorAxis:
     """A mirror axis, and how well it fits."""
@@ -44,8 +48,10 @@ def mirror_axis(outline: Points, parameters: DraftParameters) -> MirrorAxis:
     least = min(one.deviation for one in found)
     factor, more = parameters.axis_tie
     good = [one for one in found if one.deviation <= factor * least + more]
-    # Many starts end in one axis; rounding must not choose among them.
-    return min(good, key=lambda one: (round(_slope(one.axis), 2), one.deviation))
+    # Many starts end near one axis: of those the best, not the one that happens to stand straightest.
+    straightest = _slope(min(good, key=lambda one: abs(_slope(one.axis))).axis)
+    near = [one for one in good if abs(_slope(one.axis) - straightest) <= _SAME_AXIS]
+    return min(near, key=lambda one: one.deviation)
 
 
 def _settled(points: Points, angle: float, size: float, parameters: DraftParameters) -> MirrorAxis:
@@ -76,6 +82,6 @@ def _line(through: Points, angle: float) -> Points:
 
 
 def _slope(axis: Points) -> float:
-    """Radians between an axis and the vertical."""
-    x, y = np.abs(axis[1] - axis[0])
+    """Radians from the vertical to an axis given upper end first: between -pi/2 and pi/2."""
+    x, y = axis[1] - axis[0]
     return math.atan2(float(x), float(y))
