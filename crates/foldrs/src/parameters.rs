@@ -226,6 +226,8 @@ pub struct FitParameters {
     pub starts: usize,
     /// Starts a template that are fitted to the end, the most promising first.
     pub refined: usize,
+    /// Of starts that come to lie nearer to each other than this at every corner, only the best is fitted to the end.
+    pub alike: f64,
 }
 
 impl Default for FitParameters {
@@ -265,6 +267,7 @@ impl Default for FitParameters {
             directions: 12,
             starts: 900,
             refined: 40,
+            alike: 1.5,
         }
     }
 }

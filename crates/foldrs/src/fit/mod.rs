@@ -59,12 +59,7 @@ fn fit_starts(
     .flatten()
     .collect();
     coarse.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
-    // Every template keeps its own best starts: templates are compared only when they are fitted.
-    let mut kept = vec![0; templates.len()];
-    coarse.retain(|(t, _)| {
-        kept[*t] += 1;
-        kept[*t] <= parameters.refined
-    });
+    let coarse = promising(coarse, templates.len(), parameters);
     let mut fine: Vec<(usize, JointFit)> = parallel::map(&coarse, |(t, fit)| {
         let fit = solve::fine(field, &templates[*t], fit, parameters)?;
         let fit = match rims {
@@ -88,6 +83,31 @@ fn fit_starts(
         }
     }
     fine
+}
+
+/// The best of every template, for templates are compared only when they are fitted; starts that came to lie where a
+/// better one does would end there as well, and leave no room for others.
+fn promising(
+    sorted: Vec<(usize, JointFit)>,
+    templates: usize,
+    parameters: &FitParameters,
+) -> Vec<(usize, JointFit)> {
+    let mut kept: Vec<Vec<JointFit>> = vec![Vec::new(); templates];
+    for (t, fit) in sorted {
+        let of_template = &mut kept[t];
+        let room = of_template.len() < parameters.refined;
+        if room
+            && !of_template
+                .iter()
+                .any(|other| fit.lies_as(other, parameters.alike))
+        {
+            of_template.push(fit);
+        }
+    }
+    let of_all = kept.into_iter().enumerate();
+    of_all
+        .flat_map(|(t, fits)| fits.into_iter().map(move |fit| (t, fit)))
+        .collect()
 }
 
 /// The start a hypothesis about the axis gives: the template laid so that its axis covers the side that claims it.

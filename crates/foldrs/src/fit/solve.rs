@@ -58,6 +58,15 @@ pub struct JointFit {
     state: State,
 }
 
+impl JointFit {
+    /// Whether two fits of a template have the same creases and no corner farther apart than `distance` (seen units).
+    pub(super) fn lies_as(&self, other: &Self, distance: f64) -> bool {
+        let same = self.start.sides == other.start.sides && self.start.reflected == other.start.reflected;
+        let near = |(a, b): (&Point, &Point)| (a - b).norm() <= distance;
+        same && self.ring.iter().zip(&other.ring).all(near)
+    }
+}
+
 /// Free variables of a candidate.
 #[derive(Debug, Clone)]
 struct State {
