@@ -47,6 +47,18 @@ def outline() -> np.ndarray:
     return np.array(make_scene(builtin_templates("shorts")[0], seed=1).truth["outline_image"])
 
 
+def begun(code: str) -> subprocess.Popen[str]:
+    """A child that runs `code` and has printed that it is ready."""
+    # Whoever runs the tests in the background ignores Ctrl-C, and children would take that over.
+    heeding = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{code}"
+    child = subprocess.Popen(
+        [sys.executable, "-c", heeding], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "ready\n"
+    return child
+
+
 def interrupted_after(child: subprocess.Popen[str], seconds: float) -> tuple[float, str]:
     """Seconds from SIGINT to the end of a child, and what it wrote to stderr."""
     try:
@@ -63,11 +75,7 @@ def interrupted_after(child: subprocess.Popen[str], seconds: float) -> tuple[flo
 
 @posix
 def test_ctrl_c_ends_a_call() -> None:
-    child = subprocess.Popen(
-        [sys.executable, "-c", LONG_CALL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert child.stdout is not None
-    assert child.stdout.readline() == "ready\n"
+    child = begun(LONG_CALL)
     taken, told = interrupted_after(child, 0.5)
     assert taken < SOON
     assert told.rstrip().endswith("KeyboardInterrupt")
@@ -87,11 +95,7 @@ def test_ctrl_c_ends_the_command(tmp_path: Path, images: int) -> None:
         *["--template", str(tmp_path / "shorts.json")] * 1000,  # minutes of work
     ]
     code = f"from foldrs.cli import main; print('ready', flush=True); main({arguments!r})"
-    child = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert child.stdout is not None
-    assert child.stdout.readline() == "ready\n"
+    child = begun(code)
     taken, told = interrupted_after(child, 3.0)
     assert taken < SOON
     assert "Aborted" in told
