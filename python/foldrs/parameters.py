@@ -254,8 +254,8 @@ class JointFitParameters:
     refined: int = 40
     """Starts a template that are fitted to the end, the most promising first."""
     alike: float = 1.5
-    """Of starts that come to lie nearer to each other than this at every corner, only the best is fitted to the
-    end: copies of one explanation would leave no room for others. Template units (cm)."""
+    """Of starts that come to lie nearer to each other than this at every corner, only the best is fitted to
+    the end: copies of one explanation would leave no room for others. Template units (cm)."""
 
 
 @dataclass(frozen=True)
