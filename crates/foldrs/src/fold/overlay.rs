@@ -129,7 +129,9 @@ impl Grid {
 
     fn snap(&self, p: &Point) -> IntPoint<i32> {
         let v = (p - self.centre) * self.scale;
-        IntPoint::new(v.x.round() as i32, v.y.round() as i32)
+        // As `f64::round`, which is a call into the mathematics library on processors of the oldest kind.
+        let rounded = |x: f64| (x + 0.5_f64.copysign(x)) as i32;
+        IntPoint::new(rounded(v.x), rounded(v.y))
     }
 
     fn back(&self, p: &IntPoint<i32>) -> Point {

@@ -35,7 +35,6 @@ pub(super) struct Lengths {
 /// The logarithm of the affinity of a piece is its weight minus its summed difference times `per_difference`.
 #[derive(Clone, Copy)]
 struct Term {
-    length: u32,
     /// Logarithm of the length's own factor; minus infinity for lengths that are not tried.
     weight: f32,
     /// 1 / (angles within, times likeness squared).
@@ -49,7 +48,6 @@ impl Lengths {
         let shortest = parameters.shortest.max(delta + 2);
         let likeness_squared = parameters.likeness * parameters.likeness;
         let term = |l: usize| Term {
-            length: l as u32,
             weight: if l < shortest {
                 f32::NEG_INFINITY
             } else {
@@ -170,7 +168,11 @@ impl Sweep<'_> {
             return (best, length);
         };
         let columns = rows[k * 2 * half..].chunks_exact(2 * half);
+        let mut l = k as u32;
+        // Counted beside: with the number as a further iterator, or read from the term, the loop is not vectorised.
+        #[allow(clippy::explicit_counter_loop)]
         for (((&[end, start], row), term), sums) in pairs.iter().zip(columns).zip(terms).zip(sums) {
+            l += 1;
             let (Some(ends), Some(starts)) = (row[at..].first_chunk(), row[half + at..].first_chunk()) else {
                 break;
             };
@@ -187,7 +189,7 @@ impl Sweep<'_> {
                 let log = term.weight - sums[lane] * term.per_difference;
                 let better = log > best[lane];
                 best[lane] = if better { log } else { best[lane] };
-                length[lane] = if better { term.length } else { length[lane] };
+                length[lane] = if better { l } else { length[lane] };
             }
         }
         (best, length)
