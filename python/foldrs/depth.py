@@ -21,7 +21,7 @@ from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.errors import DepthError, SeveralGarmentsError
-from foldrs.image import Mask
+from foldrs.image import Mask, can_be_decoded
 from foldrs.parameters import DepthParameters, OutlineParameters
 from foldrs.segmentation.masks import largest_part, resized, single_object, tidied
 
@@ -179,8 +179,9 @@ def _file_content(path: Path) -> npt.NDArray[Any]:
             return np.asarray(np.load(path, allow_pickle=False))
         except (ValueError, EOFError, OSError) as error:
             raise DepthError(f"{path}: is no NumPy array ({error}).") from None
-    content = np.frombuffer(path.read_bytes(), np.uint8)
-    decoded = cv2.imdecode(content, cv2.IMREAD_UNCHANGED) if content.size else None
+    content = path.read_bytes()
+    readable = can_be_decoded(content, OutlineParameters.max_pixels, str(path))
+    decoded = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if readable else None
     if decoded is None:
         raise DepthError(f"{path}: is no image: give a PNG or TIFF of 16 bits or floats, or a .npy file.")
     return np.asarray(decoded)

@@ -216,11 +216,8 @@ def _decode(path: Path, max_pixels: int | None) -> AnyArray:
         raise ImageNotFoundError(f"{path} is a folder: pass an image file.")
     # Decoding from memory works for every file name, OpenCV's own file access does not on all systems.
     content = path.read_bytes()
-    size = _size_in_header(content)
     data = np.frombuffer(content, dtype=np.uint8)
-    if size is not None:
-        _check_size(*size, max_pixels, str(path))
-    readable = size is not None and _png_is_whole(content)
+    readable = can_be_decoded(content, max_pixels, str(path))
     bgr = _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH) if readable else None
     if bgr is None:
         raise NotAnImageError(f"{path} cannot be read as an image: pass a JPEG, PNG, WebP or TIFF file.")
@@ -234,6 +231,21 @@ def _decode(path: Path, max_pixels: int | None) -> AnyArray:
     if unchanged is not None and has_alpha and np.array_equal(unchanged[:, :, :3], bgr):
         return np.dstack([colour, unchanged[:, :, 3]])
     return colour
+
+
+def can_be_decoded(content: bytes, max_pixels: int | None, what: str) -> bool:
+    """Whether an image file may be given to OpenCV: it tells its size, and asks for no more than it has.
+
+    Raises
+    ------
+    ImageTooLargeError
+        The header tells of more pixels than allowed; `what` names the image.
+    """
+    size = _size_in_header(content)
+    if size is None:
+        return False
+    _check_size(*size, max_pixels, what)
+    return _png_is_whole(content)
 
 
 def _size_in_header(content: bytes) -> tuple[int, int] | None:
