@@ -135,6 +135,7 @@ def fit_many(
 
     Examples
     --------
+    >>> import foldrs
     >>> square = [[0, 0], [90, 0], [90, 60], [0, 60]]
     >>> [getattr(one, "garment_type", one) for one in foldrs.fit_many([square], garment_type="towel")]
     ['towel']
