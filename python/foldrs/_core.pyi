@@ -17,7 +17,9 @@ __all__ = [
     "Explanation",
     "FlexibleTemplate",
     "FoldedLayers",
+    "FoldedStack",
     "JointExplanation",
+    "JointFits",
     "Seen",
     "__version__",
     "align",
@@ -27,6 +29,7 @@ __all__ = [
     "default_parameters",
     "fit_jointly",
     "fold_layers",
+    "fold_stack",
     "inner_distances",
     "matching_costs",
     "nearest_on_outline",
@@ -41,6 +44,7 @@ __all__ = [
     "sides",
     "signed_area",
     "simplify",
+    "stop_all",
 ]
 
 __version__: str
@@ -342,6 +346,7 @@ class JointExplanation:
     def surprise(self) -> float:
         """Minus log evidence in nats; comparable between templates."""
 
+@final
 class JointFits:
     """The joint fits for every number of folds tried."""
 
@@ -372,6 +377,7 @@ def fit_jointly(
     seen units a template unit, if known.
     """
 
+@final
 class FoldedStack:
     """An outline folded several times, layer by layer."""
 
@@ -394,7 +400,9 @@ class FoldedStack:
     def place(self, points: _Points, arc: _Points) -> _Points:
         """Where points of the unfolded outline (k, 2), given with their arc lengths (k,), come to lie."""
 
-def fold_stack(outline: _Points, axes: Sequence[_Points], on_top: Sequence[bool] = ()) -> FoldedStack:
+def fold_stack(
+    outline: _Points, axes: Sequence[_Points], on_top: Sequence[bool] | None = None
+) -> FoldedStack:
     """Fold an outline over axes that have the flap on their left, the first made first.
 
     All axes are in the frame of the part that no fold turns over. `on_top` tells of every fold whether its

@@ -27,8 +27,10 @@ def pick_points(photo: Path) -> Iterator[tuple[str, NDArray[np.float64]]]:
     result = foldrs.fit(photo, garment_type="pants", px_per_cm=4, method="best", parameters=careful)
     kind: str = result.garment_type
     sure: float = result.alternatives[0].probability
-    crease: NDArray[np.float64] = result.fold.axis_image
-    print(kind, f"{sure:.0%}", crease.tolist(), result.template.landmarks["crotch"])
+    print(kind, f"{sure:.0%}", result.template.landmarks["crotch"])
+    if result.fold is not None:
+        crease: NDArray[np.float64] = result.fold.axis_image
+        print(crease.tolist())
     if result.accepted and result.grasp_pairs:
         best = result.grasp_pairs[0]
         yield from zip(best.landmarks, best.image, strict=True)

@@ -77,14 +77,15 @@ impl PyFoldedStack {
 }
 
 #[pyfunction]
-#[pyo3(signature = (outline, axes, on_top=Vec::new()))]
+#[pyo3(signature = (outline, axes, on_top=None))]
 pub(crate) fn fold_stack(
     outline: PyReadonlyArray2<'_, f64>,
     axes: Vec<PyReadonlyArray2<'_, f64>>,
-    on_top: Vec<bool>,
+    on_top: Option<Vec<bool>>,
 ) -> PyResult<PyFoldedStack> {
     let axes = axes.iter().map(segment).collect::<PyResult<Vec<Segment>>>()?;
-    let stack = stack::fold_stack(&self::outline(&outline)?, &axes, &on_top).map_err(fold_error)?;
+    let stack = stack::fold_stack(&self::outline(&outline)?, &axes, &on_top.unwrap_or_default())
+        .map_err(fold_error)?;
     let outline = stack.outline().map_err(fold_error)?;
     let double = stack.double_layer();
     Ok(PyFoldedStack {
