@@ -28,6 +28,7 @@ __all__ = [
     "check_outline",
     "default_parameters",
     "fit_jointly",
+    "fit_known",
     "fold_layers",
     "fold_stack",
     "inner_distances",
@@ -375,6 +376,20 @@ def fit_jointly(
     The fits start from what partial matching claims about the axis. `folds` is the number of folds, or the
     largest number if `up_to`: then further ones are tried while they explain more. `scale` is the number of
     seen units a template unit, if known.
+    """
+
+def fit_known(
+    seen: Seen,
+    template: FlexibleTemplate,
+    folds: Sequence[tuple[_Points, _Points, bool]],
+    scale: float | None = None,
+    picture: tuple[NDArray[np.float32], float, NDArray[np.float32] | None] | None = None,
+) -> list[JointExplanation]:
+    """Fit a template jointly with its crease from folds known beforehand; the best evidence first.
+
+    Every fold is an axis on the template, the kept part on its left, the crease on the seen outline, the cloth
+    on its left (from x towards y), and whether the garment shows its other face. If one of them ends better
+    than what `fit_jointly` found, the search has missed it.
     """
 
 @final

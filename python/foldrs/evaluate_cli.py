@@ -50,6 +50,12 @@ _WIDTH = 110
     is_flag=True,
     help="Do not use the homographies and depth images beside the scenes, as if they were not known.",
 )
+@click.option(
+    "--search",
+    is_flag=True,
+    help="Also fit from the truth and tell what the search missed: the rate of scenes where that ends better "
+    "than anything found. Implies --outlines.",
+)
 @reference_options
 @click.option(
     "--count", type=click.IntRange(1), default=60, show_default=True, help="Folds of --protocol synthetic."
@@ -73,6 +79,7 @@ def evaluate_command(
     folds: Folds | Literal["given"],
     outlines: bool,
     uncalibrated: bool,
+    search: bool,
     marker_cm: float | None,
     marker_family: str | None,
     a4: bool,
@@ -100,6 +107,9 @@ def evaluate_command(
             check_folds(folds, method)
         chosen = choose_templates(templates or None, None)
         reference = reference_of(marker_cm, marker_family, a4)
+        if search and (method != "best" or protocol == "open" or folds not in ("given", 1)):
+            raise click.UsageError("--search measures the method best with the kind given and one fold")
+        outlines = outlines or search
         if protocol == "synthetic":
             found, px_per_cm, outlines = virtual_scenes(chosen, count, seed), PX_PER_CM, True
         elif scenes is None:
@@ -121,6 +131,7 @@ def evaluate_command(
         true_outlines=outlines,
         calibrated=not uncalibrated,
         reference=reference,
+        search=search,
         out=out,
     )
     if report is None:

@@ -1,8 +1,12 @@
 //! The joint fit.
 
-use crate::convert::{array, outline, points};
+use crate::convert::{array, outline, points, segment};
 use crate::matching::{map_array, PySeen};
-use foldrs::fit::{explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, Picture};
+use foldrs::fit::{
+    explain_from, explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, KnownFold,
+    Picture,
+};
+use foldrs::hypothesis::Face;
 use foldrs::matching::claim_axes;
 use foldrs::{Outline, Point};
 use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3};
@@ -160,6 +164,42 @@ pub(crate) fn fit_jointly(
         )
     })?;
     Ok(PyJointFits(fits))
+}
+
+/// The joint fits of one template from axes (kept part on the left), creases (cloth on the left) and faces known
+/// beforehand; the best evidence first.
+#[pyfunction]
+#[pyo3(signature = (seen, template, folds, scale=None, picture=None))]
+pub(crate) fn fit_known(
+    py: Python<'_>,
+    seen: &PySeen,
+    template: &PyFlexibleTemplate,
+    folds: Vec<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>, bool)>,
+    scale: Option<f64>,
+    picture: Option<Edges<'_>>,
+) -> PyResult<Vec<PyJointExplanation>> {
+    let known = |(axis, crease, mirrored): &(_, _, bool)| {
+        Ok(KnownFold {
+            template: 0,
+            axis: segment(axis)?,
+            crease: segment(crease)?,
+            face: if *mirrored { Face::Mirrored } else { Face::Seen },
+        })
+    };
+    let known: Vec<KnownFold> = folds.iter().map(known).collect::<PyResult<_>>()?;
+    let picture = picture.as_ref().map(prepared).transpose()?;
+    let templates = std::slice::from_ref(&template.0);
+    let found = crate::interrupt::run(py, || {
+        explain_from(
+            &seen.seen,
+            templates,
+            &known,
+            scale,
+            picture.as_ref(),
+            &seen.parameters,
+        )
+    })?;
+    Ok(found.into_iter().map(PyJointExplanation).collect())
 }
 
 /// The picture of structure tensors.

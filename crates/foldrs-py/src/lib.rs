@@ -21,7 +21,7 @@ mod _core {
     #[pymodule_export]
     use super::alignment::{align, alignment_costs};
     #[pymodule_export]
-    use super::fit::{fit_jointly, PyFlexibleTemplate, PyJointExplanation, PyJointFits};
+    use super::fit::{fit_jointly, fit_known, PyFlexibleTemplate, PyJointExplanation, PyJointFits};
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]

@@ -36,7 +36,7 @@ def axis_error(scene: Scene, template: Mapping[str, Any], kind: Kind) -> tuple[f
     whole = area(outline)
     return min(
         (hull_share(axis, true_axis, whole), angle_between(axis, true_axis))
-        for true_axis in _true_axes(scene, outline, template["landmarks"], kind)
+        for true_axis in true_axes(scene, outline, template["landmarks"], kind)
     )
 
 
@@ -67,7 +67,7 @@ def _true_garment(scene: Scene, kind: Kind) -> LandmarkedOutline:
     return LandmarkedOutline(scene.outline_garment, marks)
 
 
-def _true_axes(scene: Scene, outline: Points, landmarks: Mapping[str, Any], kind: Kind) -> Iterator[Points]:
+def true_axes(scene: Scene, outline: Points, landmarks: Mapping[str, Any], kind: Kind) -> Iterator[Points]:
     """Yield the true axis on a template, once for every symmetry; nothing if there is no fold."""
     if scene.axis_garment is None:
         return

@@ -11,6 +11,7 @@ MCD                  decrease of the matching cost from the original to the fitt
 landmarks            error of the landmarks that truly lie on the outline
 pair                 the first grasp pair is truly accessible, both points within the grasp margin; asked for
                      only where two landmarks or more are accessible
+missed               a fit that starts from the truth ends better than anything that was found (asked for only)
 unfolded             overlap of the predicted and the true unfolded outline in the picture; which part was
                      turned over cannot be told, so its mirror image over the crease is as good
 folds                the number of folds is right
@@ -93,6 +94,11 @@ class SceneMeasures:
     pair_right: bool | None = None
     unfolded_iou: float = 0.0
     creases_met: tuple[bool, ...] = ()
+    chances: tuple[tuple[float, bool], ...] = ()
+    """Of every alternative its probability, and whether it is the right one: the first whose axis is right."""
+    missed_nats: float | None = None
+    """How much better a start from the truth ends than what the search found, see
+    :mod:`~foldrs.evaluation.search`; None unless asked for."""
     seconds: float | None = None
 
     @property
@@ -183,8 +189,13 @@ def _measure_alternatives(
         one["garment_type"] == scene.garment_type and axis_error(scene, one["template"], kind)[0] < RIGHT
         for one in alternatives
     ]
+    said = [float(one["probability"]) for one in prediction.get("alternatives", [])]
+    the_right_one = [ok and not any(right[:k]) for k, ok in enumerate(right)]
     return replace(
-        row, right_in_first=any(right[:FIRST_ALTERNATIVES]), mismatch=any(right[1:]) and not right[0]
+        row,
+        right_in_first=any(right[:FIRST_ALTERNATIVES]),
+        mismatch=any(right[1:]) and not right[0],
+        chances=tuple(zip(said, the_right_one, strict=False)),
     )
 
 

@@ -7,7 +7,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from foldrs.evaluation.measures import SceneMeasures
+from foldrs.evaluation.reliability import reliability
 from foldrs.evaluation.tables import Summary, table
 from foldrs.result import write_whole
 
@@ -55,6 +56,7 @@ _FURTHER: tuple[Column, ...] = (
     ("unf IoU", lambda s: _number(s.unfolded_iou, 3)),
     ("crease (%)", lambda s: _number(s.crease_rate)),
     ("folds (%)", lambda s: _number(s.folds_rate)),
+    ("missed (%)", lambda s: _number(s.missed_rate)),
     ("median s", lambda s: _number(s.seconds, 2)),
 )
 
@@ -91,9 +93,18 @@ def text_tables(rows: Sequence[SceneMeasures]) -> list[TextTable]:
 
 
 def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
-    """Print Table 1, Table 2 and the further measures, per kind and overall."""
-    for one in text_tables(rows):
-        console.print(_rich_table(one))
+    """Print Table 1, Table 2 and the further measures, per kind and overall, and what probabilities mean."""
+    for content in text_tables(rows):
+        console.print(_rich_table(content))
+    bins = reliability(rows)
+    if bins:
+        meaning = Table(title="Probabilities of all alternatives: said, and happened", title_justify="left")
+        meaning.add_column("said (%)")
+        for one in bins:
+            meaning.add_column(_number(100 * one.said), justify="right")
+        meaning.add_row("right (%)", *(_number(100 * one.happened) for one in bins))
+        meaning.add_row("cases", *(str(one.cases) for one in bins))
+        console.print(meaning)
 
 
 def write_csv(rows: Sequence[SceneMeasures], path: Path) -> None:
@@ -112,6 +123,7 @@ def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: 
         "schema": 1,
         "options": dict(options),
         "table": {kind: summary.to_dict() for kind, summary in table(rows).items()},
+        "reliability": [asdict(one) for one in reliability(rows)],
         "scenes": [{**_record(row), "landmarks_px": list(row.landmarks_px)} for row in rows],
     }
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())
@@ -161,6 +173,7 @@ def _record(row: SceneMeasures) -> dict[str, Any]:
         "folds_found": row.folds_found,
         "creases": len(row.creases_met) if row.folds == 2 else None,
         "creases_met": sum(row.creases_met) if row.folds == 2 else None,
+        "missed_nats": _finite(row.missed_nats),
         "seconds": row.seconds,
     }
 

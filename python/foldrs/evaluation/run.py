@@ -25,6 +25,7 @@ from foldrs.evaluation.axes import template_distance
 from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import SceneMeasures, failed, measure
 from foldrs.evaluation.scenes import Scene
+from foldrs.evaluation.search import missed_nats
 from foldrs.joint_fit import Folds
 from foldrs.pipeline import Method, fit
 from foldrs.result import FitResult
@@ -53,6 +54,8 @@ class Evaluation:
     """Use the homographies and depth images that lie beside the scenes; they are always measured by them."""
     reference: Reference | None = None
     """A marker or sheet in the photographs that tells the table's plane, instead of the homographies."""
+    search: bool = False
+    """Also fit from the truth, to see what the search misses (one fold, true outlines, method best)."""
     out: Path | None = None
     """Folder for the predictions, NAME.json each."""
     watch: Callable[[Scene, FitResult | None, SceneMeasures], None] | None = None
@@ -68,6 +71,9 @@ class Evaluation:
             result = self._predict(scene, competing)
             measured = measure(scene, result.to_dict(), kind)
             row = replace(measured, template_distance_cm=row.template_distance_cm)
+            if self.search:
+                missed = missed_nats(scene, result, of_kind, kind, self.px_per_cm)
+                row = replace(row, missed_nats=missed)
         except FoldrsError as error:
             row = replace(row, error=str(error))
         if self.watch is not None:

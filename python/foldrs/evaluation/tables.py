@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from foldrs.evaluation.measures import SceneMeasures
+from foldrs.evaluation.search import SAME_NATS
 
 OVERALL = "overall"
 """Name of the last row of every table."""
@@ -55,6 +56,8 @@ class Summary:
     """Creases met in scenes folded twice."""
     folds_rate: float
     """Right number of folds."""
+    missed_rate: float
+    """Scenes for which a start from the truth ends better than anything that was found."""
     seconds: float
     """Median."""
 
@@ -102,6 +105,9 @@ def summary(rows: Sequence[SceneMeasures]) -> Summary:
         unfolded_iou=_mean([row.unfolded_iou for row in rows]),
         crease_rate=_rate(met for row in rows for met in row.creases_met),
         folds_rate=_rate(row.folds_found == row.folds for row in rows),
+        missed_rate=_rate(
+            None if row.missed_nats is None else row.missed_nats > SAME_NATS for row in rows
+        ),
         seconds=float(np.median(seconds)) if seconds else math.nan,
     )
 

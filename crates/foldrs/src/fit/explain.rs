@@ -1,7 +1,10 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
 use super::rim::{Picture, RimEvidence, Rims};
-use super::{fit_starts, fit_unfolded, stack, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use super::{
+    fit_starts, fit_unfolded, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField, Start,
+};
+use crate::hypothesis::Face;
 use crate::matching::{Claim, Seen};
 use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
@@ -92,7 +95,7 @@ pub fn explain_jointly(
     let Some(search) = Search::new(seen, templates, scale, &parameters.fit) else {
         return JointFits::default();
     };
-    let rims = picture.and_then(|picture| Rims::new(picture, search.working, &search.field, &parameters.rim));
+    let rims = search.rims(picture, parameters);
     let mut found = JointFits {
         by_folds: vec![search.told(&search.unfolded(), 0)],
     };
@@ -102,13 +105,7 @@ pub fn explain_jointly(
     };
     let mut starts = search.starts(claims);
     for count in 1..=most {
-        let fits = fit_starts(
-            &search.field,
-            templates,
-            &starts,
-            rims.as_ref(),
-            &search.parameters,
-        );
+        let fits = search.fits(&starts, rims.as_ref());
         found.by_folds.push(search.told(&fits, count));
         // One fold alone may explain little of a garment folded twice, so two are always tried.
         if count == most || !(all || count == 1 || found.enough() == count) {
@@ -117,6 +114,44 @@ pub fn explain_jointly(
         starts = search.further(&starts, &fits);
     }
     found
+}
+
+/// A fold that is known beforehand, for instance because the garment was folded on purpose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownFold {
+    /// Index of the template.
+    pub template: usize,
+    /// The axis on it, with the kept part on its left.
+    pub axis: Segment,
+    /// The crease on the seen outline, with the cloth on its left.
+    pub crease: Segment,
+    /// Whether the garment shows its other face.
+    pub face: Face,
+}
+
+/// As [`explain_jointly`], from folds known beforehand instead of claims; the best evidence first.
+///
+/// If one of them ends better than anything that was found without, the search has missed it.
+#[must_use]
+pub fn explain_from(
+    seen: &Seen,
+    templates: &[FlexibleTemplate],
+    known: &[KnownFold],
+    scale: Option<f64>,
+    picture: Option<&Picture>,
+    parameters: &Parameters,
+) -> Vec<JointExplanation> {
+    let Some(search) = Search::new(seen, templates, scale, &parameters.fit) else {
+        return Vec::new();
+    };
+    let rims = search.rims(picture, parameters);
+    let start = |fold: &KnownFold| {
+        let crease = fold.crease.map(|p| p / search.working);
+        let start = start_over(&fold.axis, fold.face, &crease, search.expected(fold.template, 1))?;
+        Some((fold.template, start))
+    };
+    let starts: Vec<(usize, Start)> = known.iter().filter_map(start).collect();
+    search.told(&search.fits(&starts, rims.as_ref()), 1)
 }
 
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
@@ -166,6 +201,16 @@ impl<'a> Search<'a> {
                 ..parameters.clone()
             },
         })
+    }
+
+    /// What the picture shows, if there is one.
+    fn rims<'b>(&self, picture: Option<&'b Picture>, parameters: &'b Parameters) -> Option<Rims<'b>> {
+        Rims::new(picture?, self.working, &self.field, &parameters.rim)
+    }
+
+    /// The fits from starts, the best evidence first.
+    fn fits(&self, starts: &[(usize, Start)], rims: Option<&Rims>) -> Vec<(usize, JointFit)> {
+        fit_starts(&self.field, self.templates, starts, rims, &self.parameters)
     }
 
     /// Expected number of working units a unit of a template folded so many times.

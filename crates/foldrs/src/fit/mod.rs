@@ -19,7 +19,7 @@ mod shape;
 mod solve;
 mod stack;
 
-pub use explain::{explain_jointly, FoldCount, JointExplanation, JointFits};
+pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
 pub use rim::{Picture, RimEvidence};
 pub use shape::FlexibleTemplate;
@@ -115,9 +115,14 @@ fn promising(
 /// `side` is that side of the seen outline, `scale` the expected number of seen units a template unit.
 #[must_use]
 pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option<Start> {
-    let axis = Axis::new(&hypothesis.axis).ok()?;
+    start_over(&hypothesis.axis, hypothesis.face, side, scale)
+}
+
+/// The same of an axis, with the kept part on its left, and a face.
+fn start_over(on_template: &Segment, face: Face, side: &Segment, scale: f64) -> Option<Start> {
+    let axis = Axis::new(on_template).ok()?;
     let crease = Axis::new(side).ok()?;
-    let reflected = hypothesis.face == Face::Mirrored;
+    let reflected = face == Face::Mirrored;
     // The mirrored outline runs the other way round, and with it its sides.
     let direction = if reflected {
         -crease.direction
@@ -133,7 +138,7 @@ pub fn start_from(hypothesis: &Hypothesis, side: &Segment, scale: f64) -> Option
     let middle = |s: &Segment| nalgebra::center(&s[0], &s[1]);
     Some(Start {
         sides: vec![*side],
-        anchor: middle(&hypothesis.axis),
+        anchor: middle(on_template),
         target: middle(side),
         turn,
         scale,
