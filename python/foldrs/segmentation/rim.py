@@ -60,7 +60,7 @@ def snap_to_rim(lab: FloatImage, mask: Mask, parameters: OutlineParameters) -> M
         near = np.flatnonzero(away <= p.rim_reach + _VOTE_REACH)  # only these move, or vote on those that do
         cloth, table = _side(colours, depth, near, p), _side(colours, height, near, p)
         contrast = cloth.mean - table.mean
-        precision = 1 / (cloth.variance + table.variance + _LEAST_VARIANCE)
+        precision = np.reciprocal(cloth.variance + table.variance + _LEAST_VARIANCE, dtype=np.float32)
         strength = _total(contrast * contrast * precision)
         own = np.subtract(colours.reshape(-1, 3)[near], (cloth.mean + table.mean) / 2, dtype=np.float32)
         votes = _total(own * precision * contrast)
