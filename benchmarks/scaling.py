@@ -4,6 +4,8 @@
 
 Prints seconds by the clock on 1 and on N threads (default: all cores), their ratio, and the processor
 seconds, which must not grow. On a machine that does other work meanwhile only the latter mean anything.
+Then, of a single image, the processor time of the calling thread, which runs alone, and of each one of the
+pool: their sum is what N idle cores would take by the clock.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+import foldrs
 from foldrs import _core
 from foldrs.joint_fit import flexible_template
 from foldrs.parameters import Parameters
@@ -31,6 +34,12 @@ from foldrs.synth import make_scene
 from foldrs.template import builtin_templates
 
 IMAGES = 8
+CALLS: dict[str, dict[str, Any]] = {
+    "kind given": {},
+    "all kinds": {},
+    "kind given, as published": {"method": "paper"},
+    "all kinds, as published": {"method": "paper"},
+}
 
 
 def work(name: str, folder: Path) -> Callable[[], Any]:
@@ -66,8 +75,28 @@ def measure(name: str, threads: int, repeat: int, folder: Path) -> None:
     print(json.dumps(best))
 
 
+def one_image(threads: int, folder: Path) -> Table:
+    """Processor time of fits of one image, by who spends it: medians over the images in a folder."""
+    _core.set_threads(threads)
+    table = Table(title=f"One image, processor ms, a pool of {threads}", title_justify="left")
+    for heading in ("fit", "alone", "pool, each", "alone + pool"):
+        table.add_column(heading, justify="left" if heading == "fit" else "right")
+    photographs = [(image, image.with_suffix(".json")) for image in sorted(folder.glob("*.jpg"))]
+    for name, options in CALLS.items():
+        spent = []
+        for image, truth in photographs:
+            known = json.loads(truth.read_text())
+            kind = {"garment_type": known["type"]} if name.startswith("kind") else {}
+            alone, both = time.thread_time(), time.process_time()
+            foldrs.fit(image, px_per_cm=known["px_per_cm"], **kind, **options)
+            alone, both = time.thread_time() - alone, time.process_time() - both
+            spent.append((alone, (both - alone) / threads, alone + (both - alone) / threads))
+        table.add_row(name, *(f"{1000 * ms:.0f}" for ms in np.median(spent, axis=0)))
+    return table
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--repeat", type=int, default=5)
@@ -102,7 +131,9 @@ def main() -> None:
             )
             row = (f"{one:.3f}", f"{many:.3f}", f"{one / many:.2f} x", f"{busy:.3f}", f"{busy_many:.3f}")
             table.add_row(name, *row)
-    Console(width=100).print(table)
+        alone = one_image(options.threads, Path(folder))
+    for one in (table, alone):
+        Console(width=100).print(one)
 
 
 if __name__ == "__main__":

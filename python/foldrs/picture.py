@@ -68,5 +68,8 @@ def _structure_tensor(channels: NDArray[np.float32]) -> NDArray[np.float32]:
     """Sum over channels, (h, w, c), of the products of their slopes: (h, w, 3)."""
     x = cv2.Scharr(channels, cv2.CV_32F, 1, 0).reshape(channels.shape)
     y = cv2.Scharr(channels, cv2.CV_32F, 0, 1).reshape(channels.shape)
-    tensor = np.stack([(x * x).sum(axis=2), (x * y).sum(axis=2), (y * y).sum(axis=2)], axis=2)
-    return np.ascontiguousarray(tensor, dtype=np.float32)
+    ones = np.ones((1, channels.shape[2]), np.float32)
+    tensor = np.empty((*channels.shape[:2], 3), np.float32)
+    for k, (a, b) in enumerate(((x, x), (x, y), (y, y))):
+        cv2.insertChannel(cv2.transform(a * b, ones), tensor, k)
+    return tensor

@@ -78,6 +78,10 @@ pub fn align(cost: &CostMatrix, parameters: &AlignmentParameters, bound: Option<
         at_least: vec![f32::NEG_INFINITY; m],
     };
     let best = search.run(parameters.starts.clamp(1, m))?;
+    // Single precision decides it unless it is a close thing; nearly always the pairs need not be traced.
+    if search.total[best] > limit * (1.0 + 1e-4) {
+        return None;
+    }
     let (pairs, total) = trace(cost, penalty, best);
     let cost = total / n as f64;
     bound.is_none_or(|bound| cost < bound).then_some(Alignment {

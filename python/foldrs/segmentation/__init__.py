@@ -58,7 +58,7 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
             f"The picture is {rgb.shape[1]} x {rgb.shape[0]} pixels, too small or too narrow for a garment's "
             "shape to be told: pass a larger one."
         )
-    if not np.ptp(fine, axis=(0, 1)).any():
+    if (fine == fine[0, 0]).all():
         raise NoGarmentError("The picture is all one colour: no garment is seen in it.")
     coarse_lab = _lab(coarse)
     smooth = np.asarray(cv2.GaussianBlur(coarse_lab, (0, 0), p.smoothing), np.float32)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from ..image import Mask
 from ..parameters import OutlineParameters
@@ -19,10 +20,13 @@ from .table import FloatImage
 
 _LEAST_VARIANCE = 4.0  # of a side's colour, CIELAB units squared: noise that a small strip may not show
 _VOTE_BLUR = 0.8  # px; neighbours vote together, which keeps the outline smooth
+_VOTE_REACH = (
+    5.0  # px; no vote counts from farther off: the blur is three wide to each side, and to its corners
+)
 
 
 class _Side(NamedTuple):
-    """Colours beside the outline, as seen from every pixel: their number, mean and variance."""
+    """Colours beside the outline, as seen from some pixels: their number (k,), mean and variance (k, 3)."""
 
     number: FloatImage
     mean: FloatImage
@@ -52,33 +56,46 @@ def snap_to_rim(lab: FloatImage, mask: Mask, parameters: OutlineParameters) -> M
         part = window(mask, p.rim_reach + p.rim_gap + p.rim_ring + 2)
         colours, inside = lab[part], mask[part]
         depth, height = _distance(inside), _distance(~inside)
-        cloth, table = _side(colours, depth, p), _side(colours, height, p)
+        away = np.where(inside, depth, height)
+        near = np.flatnonzero(away <= p.rim_reach + _VOTE_REACH)  # only these move, or vote on those that do
+        cloth, table = _side(colours, depth, near, p), _side(colours, height, near, p)
         contrast = cloth.mean - table.mean
-        precision = 1 / (cloth.variance + table.variance + _LEAST_VARIANCE)
-        strength = (contrast**2 * precision).sum(axis=2)
-        vote = ((colours - (cloth.mean + table.mean) / 2) * precision * contrast).sum(axis=2)
-        vote = np.clip(vote / np.maximum(strength, 1e-6), -0.5, 0.5)
-        vote = cv2.GaussianBlur(vote, (0, 0), _VOTE_BLUR)
+        precision = np.reciprocal(cloth.variance + table.variance + _LEAST_VARIANCE, dtype=np.float32)
+        strength = _total(contrast * contrast * precision)
+        own = np.subtract(colours.reshape(-1, 3)[near], (cloth.mean + table.mean) / 2, dtype=np.float32)
+        votes = _total(own * precision * contrast)
+        vote = np.zeros(inside.size, np.float32)
+        vote[near] = np.clip(votes / np.maximum(strength, 1e-6), -0.5, 0.5)
+        blurred = cv2.GaussianBlur(vote.reshape(inside.shape), (0, 0), _VOTE_BLUR)
         enough = 2 * p.rim_window
-        movable = (np.where(inside, depth, height) <= p.rim_reach) & (strength > p.rim_contrast)
-        movable &= (cloth.number > enough) & (table.number > enough)
-        moved = np.zeros_like(mask)
-        moved[part] = np.where(movable, vote > 0, inside)
-        mask = largest_part(tidied(moved, p.opening))
+        clear = (strength > p.rim_contrast) & (cloth.number > enough) & (table.number > enough)
+        movable = np.zeros(inside.size, np.bool_)
+        movable[near] = clear
+        moved = np.where(movable.reshape(inside.shape) & (away <= p.rim_reach), blurred > 0, inside)
+        mask = np.zeros_like(mask)
+        mask[part] = largest_part(tidied(moved, p.opening))
     return mask
 
 
-def _side(colours: FloatImage, distance: FloatImage, parameters: OutlineParameters) -> _Side:
-    """Colours of the strip from `rim_gap` to `rim_gap + rim_ring` px off the outline, around every pixel."""
+def _side(
+    colours: FloatImage, distance: FloatImage, near: npt.NDArray[np.intp], parameters: OutlineParameters
+) -> _Side:
+    """Colours of the strip from `rim_gap` to `rim_gap + rim_ring` px off the outline, around those `near`."""
     ring = (distance > parameters.rim_gap) & (distance <= parameters.rim_gap + parameters.rim_ring)
     weight = ring.astype(np.float32)
     size = 2 * round(parameters.rim_window) - 1
-    number = _box_sum(weight, size)
+    number = _box_sum(weight, size).ravel()[near]
     weighted = colours * weight[:, :, None]
-    known = np.maximum(number, 1)[:, :, None]
-    mean = np.divide(_box_sum(weighted, size), known, dtype=np.float32)
-    variance = _box_sum(weighted * colours, size) / known - mean**2
+    known = np.maximum(number, 1)[:, None]
+    mean = np.divide(_box_sum(weighted, size).reshape(-1, 3)[near], known, dtype=np.float32)
+    variance = _box_sum(weighted * colours, size).reshape(-1, 3)[near] / known - mean**2
     return _Side(number, mean, np.maximum(variance, 0, dtype=np.float32))
+
+
+def _total(channels: FloatImage) -> FloatImage:
+    """Sum over the channels, (k, 3), of every pixel."""
+    total: FloatImage = channels[:, 0] + channels[:, 1] + channels[:, 2]
+    return total
 
 
 def _box_sum(values: FloatImage, size: int) -> FloatImage:

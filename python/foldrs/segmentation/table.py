@@ -49,24 +49,34 @@ def surprise(lab: FloatImage, table: Mask, parameters: OutlineParameters) -> Sur
         Where (mostly) table is seen.
     parameters : OutlineParameters
     """
-    terms = _polynomial_terms(lab.shape[:2], parameters.table_degree)
-    sample = np.flatnonzero(table)[::_SAMPLE_STEP]
-    known_terms, known_colours = terms[sample].astype(float), lab.reshape(-1, 3)[sample].astype(float)
-    weights = np.ones(sample.size)
-    ridge = 1e-3 * np.eye(terms.shape[1])
+    (x, y), powers = _places(lab.shape[:2]), _powers(parameters.table_degree)
+    row, column = np.divmod(np.flatnonzero(table)[::_SAMPLE_STEP], lab.shape[1])
+    terms = np.stack([x[column] ** i * y[row] ** j for i, j in powers]).astype(float)
+    colours = np.ascontiguousarray(lab[row, column].T, float)
+    weights = np.ones(row.size)
+    ridge = 1e-3 * np.eye(len(powers))
     for _ in range(_ROUNDS):
-        weighted = known_terms * weights[:, None]
-        coefficients = np.linalg.solve(weighted.T @ known_terms + ridge, weighted.T @ known_colours)
-        residuals = known_colours - known_terms @ coefficients
-        squared = (residuals**2).sum(axis=1)
+        weighted = terms * weights
+        coefficients = np.linalg.solve(_products(weighted, terms) + ridge, _products(weighted, colours))
+        residuals = colours - np.einsum("tc,tn->cn", coefficients, terms)
+        squared = (residuals**2).sum(axis=0)
         scale = np.median(squared) + parameters.table_noise**2
         weights = (1 + squared / (4 * scale)) ** -2.0
-    spread = (residuals * weights[:, None]).T @ residuals / weights.sum()
+    spread = _products(residuals * weights, residuals) / weights.sum()
     spread += parameters.table_noise**2 * np.eye(3)
-    difference = lab.reshape(-1, 3) - terms @ coefficients.astype(np.float32)
-    whitened = difference @ np.linalg.cholesky(np.linalg.inv(spread)).astype(np.float32)
-    deviation = np.sqrt(np.einsum("ij,ij->i", whitened, whitened))
-    return Surprise(difference.reshape(lab.shape), deviation.reshape(lab.shape[:2]))
+    difference = lab.copy()
+    for (i, j), colour in zip(powers, coefficients.astype(np.float32), strict=True):
+        difference -= (x**i)[:, None] * colour * (y**j)[:, None, None]
+    whitening = np.linalg.cholesky(np.linalg.inv(spread)).astype(np.float32)
+    whitened = cv2.transform(difference, whitening.T)
+    return Surprise(difference, np.sqrt(squared_length(whitened)))
+
+
+def squared_length(colours: FloatImage) -> FloatImage:
+    """Sum of the squares of a picture's channels, (h, w)."""
+    return np.asarray(
+        cv2.transform(colours * colours, np.ones((1, colours.shape[2]), np.float32)), np.float32
+    )
 
 
 def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Surprise]:
@@ -117,8 +127,22 @@ def _median(deviation: FloatImage, where: Mask) -> float:
     return float(np.median(deviation[where])) if where.any() else 0.0
 
 
-def _polynomial_terms(shape: tuple[int, ...], degree: int) -> FloatImage:
-    """Terms x^i y^j, i + j <= degree, of every pixel: (h w, terms), x and y from -1 to 1."""
-    y, x = np.mgrid[-1 : 1 : shape[0] * 1j, -1 : 1 : shape[1] * 1j].astype(np.float32)
-    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    return np.stack([(x**i * y**j).ravel() for i, j in powers], axis=1)
+def _products(some: npt.NDArray[np.float64], others: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Products of every row with every other one, summed up.
+
+    Not by BLAS, which brings its threads for so many pixels: they take longer to wake than this takes, and
+    keep the cores from other images.
+    """
+    products: npt.NDArray[np.float64] = np.einsum("in,jn->ij", some, others)
+    return products
+
+
+def _places(shape: tuple[int, ...]) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Place all columns and all rows from -1 to 1."""
+    x, y = (np.linspace(-1, 1, n).astype(np.float32) for n in (shape[1], shape[0]))
+    return x, y
+
+
+def _powers(degree: int) -> list[tuple[int, int]]:
+    """List the terms x^i y^j, i + j <= degree."""
+    return [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]

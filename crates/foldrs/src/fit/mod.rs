@@ -14,6 +14,7 @@
 mod explain;
 mod field;
 mod layers;
+mod nearest;
 mod rim;
 mod shape;
 mod solve;

@@ -2,14 +2,15 @@
 
 use super::field::SeenField;
 use super::layers::{fold_layers, Layers, Piece};
+use super::nearest::{nearest_pieces, Nearest};
 use super::rim::{RimEvidence, Rims};
-use super::shape::{log_determinant, FlexibleTemplate};
+use super::shape::FlexibleTemplate;
 use crate::crease::Axis;
 use crate::fold::Layer;
 use crate::parameters::FitParameters;
 use crate::stack::{Crease, Source};
 use crate::{Point, Segment, Vector};
-use nalgebra::{DMatrix, DVector, Matrix2};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 
 /// Variables of the pose: growth, turn, offset.
 const POSE: usize = 4;
@@ -142,19 +143,24 @@ pub(super) fn fine(
     for _ in 0..parameters.coarse_iterations {
         state = problem.step(&state, middle)?;
     }
-    let mut best: Option<JointFit> = None;
+    let mut best: Option<(Evidence, State)> = None;
+    let mut here = problem.factored(&state, parameters.noise)?;
     for _ in 0..parameters.iterations {
-        state = problem.step(&state, parameters.noise)?;
-        let fit = problem.finish(state.clone(), parameters.noise)?;
-        let gain = best.as_ref().map_or(f64::INFINITY, |b| b.surprise - fit.surprise);
+        state = problem.moved(&state, &here);
+        here = problem.factored(&state, parameters.noise)?;
+        let evidence = problem.evidence(&here);
+        let gain = best
+            .as_ref()
+            .map_or(f64::INFINITY, |(b, _)| b.surprise - evidence.surprise);
         if gain > 0.0 {
-            best = Some(fit);
+            best = Some((evidence, state.clone()));
         }
         if gain.abs() < 1e-3 {
             break;
         }
     }
-    best
+    let (evidence, state) = best?;
+    problem.told(state, &evidence)
 }
 
 /// Draws the corners onto the outline: a few more iterations with a noise small enough for the template's shape to give
@@ -279,8 +285,13 @@ impl<'a> Problem<'a> {
     }
 
     fn step(&self, state: &State, noise: f64) -> Option<State> {
-        let normal = self.linearise(state, noise)?;
-        let delta = normal.hessian.cholesky()?.solve(&(-normal.gradient));
+        let normal = self.linearise(state, noise, false)?;
+        Some(self.moved(state, &normal.factored()?))
+    }
+
+    /// The state one step on.
+    fn moved(&self, state: &State, here: &Factored) -> State {
+        let delta = here.factor.solve(&-&here.gradient);
         let n = state.displacement.len();
         // A step beyond the range in which the model is linear would lead anywhere.
         let length = (0..n)
@@ -292,7 +303,7 @@ impl<'a> Problem<'a> {
             .max(delta[n + 3].abs());
         let damp = (self.parameters.longest_step / length).min(1.0);
         let d = delta * damp;
-        Some(State {
+        State {
             displacement: &state.displacement + d.rows(0, n),
             growth: state.growth + d[n],
             turn: state.turn + d[n + 1],
@@ -303,7 +314,7 @@ impl<'a> Problem<'a> {
                     skew: state.slips[k].skew + d[n + POSE + 2 * k + 1],
                 })
                 .collect(),
-        })
+        }
     }
 
     /// Prior precisions of growth, turn, offset x and y, and every crease's shift and skew.
@@ -322,10 +333,12 @@ impl<'a> Problem<'a> {
         spreads.into_iter().map(|spread| spread.powi(-2)).collect()
     }
 
-    /// Minus log of the joint density and its quadratic approximation about a state.
-    fn linearise(&self, state: &State, noise: f64) -> Option<Normal> {
+    /// Minus log of the joint density and its quadratic approximation about a state, without the density itself
+    /// unless it is `weighed`.
+    fn linearise(&self, state: &State, noise: f64, weighed: bool) -> Option<Normal> {
         let n = state.displacement.len();
         let mut normal = Normal::of(n + POSE + 2 * self.sides.len());
+        normal.weighed = weighed;
         normal.prior = self.template.cost(&state.displacement);
         normal
             .hessian
@@ -367,24 +380,8 @@ impl<'a> Problem<'a> {
     fn explain_seen(&self, pieces: &[Piece], jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
         let p = self.parameters;
         let weight = (self.field.spacing / p.correlation).min(1.0);
-        for (q, direction) in &self.field.samples {
-            let mut best = (f64::INFINITY, 0, 0.0, 0.0);
-            for (k, piece) in pieces.iter().enumerate() {
-                let against = (1.0 - piece.direction.dot(direction) - p.bend).max(0.0);
-                let opposed = 0.5 * p.against * p.against * against;
-                if opposed >= best.0 {
-                    continue;
-                }
-                let along = (piece.ends[1] - piece.ends[0]) / piece.length.max(f64::MIN_POSITIVE);
-                let v = q - piece.ends[0];
-                let t = (v.dot(&along) / piece.length.max(f64::MIN_POSITIVE))
-                    .clamp(piece.share[0], piece.share[1]);
-                let squared = (v - along * (t * piece.length)).norm_squared() + opposed;
-                if squared < best.0 {
-                    best = (squared, k, t, opposed);
-                }
-            }
-            let (_, k, t, opposed) = best;
+        let nearest = nearest_pieces(&self.field.samples, pieces, p.against, p.bend);
+        for ((q, _), Nearest { piece: k, t, opposed }) in self.field.samples.iter().zip(nearest) {
             let piece = &pieces[k];
             let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
             let v = q - x;
@@ -411,19 +408,40 @@ impl<'a> Problem<'a> {
             for k in 0..count as usize {
                 let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
                 let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
-                let (out, gradient) = self.field.at(&x);
-                if out > 0.0 {
+                if let Some((out, gradient)) = self.field.outside(&x) {
                     normal.add(piece, t, out, gradient, 0.0, noise, weight, p.tail, jacobian);
                 }
             }
         }
     }
 
-    fn finish(&self, state: State, noise: f64) -> Option<JointFit> {
-        let normal = self.linearise(&state, noise)?;
+    /// The density and its approximation about a state, ready for both its evidence and a step.
+    fn factored(&self, state: &State, noise: f64) -> Option<Factored> {
+        self.linearise(state, noise, true)?.factored()
+    }
+
+    fn evidence(&self, here: &Factored) -> Evidence {
         let poses: f64 = self.free_precisions().iter().map(|p| p.ln()).sum();
-        let log_det = log_determinant(&normal.hessian)?;
-        let surprise = normal.residual + normal.prior + 0.5 * (log_det - self.template.log_det - poses);
+        let log_det = 2.0
+            * here
+                .factor
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|x| x.ln())
+                .sum::<f64>();
+        Evidence {
+            surprise: here.residual + here.prior + 0.5 * (log_det - self.template.log_det - poses),
+            residual: here.residual,
+        }
+    }
+
+    fn finish(&self, state: State, noise: f64) -> Option<JointFit> {
+        let evidence = self.evidence(&self.factored(&state, noise)?);
+        self.told(state, &evidence)
+    }
+
+    fn told(&self, state: State, evidence: &Evidence) -> Option<JointFit> {
         let ring = self.ring(&state);
         let axes = self.axes(&state);
         let layers = self.layers(&ring, &axes)?;
@@ -448,9 +466,9 @@ impl<'a> Problem<'a> {
             turn: state.turn,
             centre: Point::from(state.offset),
             creases,
-            surprise,
+            surprise: evidence.surprise,
             rim: RimEvidence::default(),
-            residual: normal.residual,
+            residual: evidence.residual,
             state,
         })
     }
@@ -513,12 +531,30 @@ impl Jacobian<'_> {
     }
 }
 
+/// How well a state explains the seen outline.
+struct Evidence {
+    /// Minus log evidence.
+    surprise: f64,
+    residual: f64,
+}
+
+/// The normal equations, their matrix factored.
+struct Factored {
+    factor: Cholesky<f64, Dyn>,
+    gradient: DVector<f64>,
+    residual: f64,
+    prior: f64,
+}
+
 /// The normal equations.
 struct Normal {
+    /// Its lower triangle; what is above is not kept.
     hessian: DMatrix<f64>,
     gradient: DVector<f64>,
     /// What one residual depends on: indices of variables, and how much.
     row: Vec<(usize, f64)>,
+    /// Whether the residual is asked for, which takes a logarithm a summand.
+    weighed: bool,
     residual: f64,
     prior: f64,
 }
@@ -530,9 +566,20 @@ impl Normal {
             hessian: DMatrix::zeros(variables, variables),
             gradient: DVector::zeros(variables),
             row: Vec::with_capacity(16),
+            weighed: true,
             residual: 0.0,
             prior: 0.0,
         }
+    }
+
+    /// `None` if the matrix is not positive definite.
+    fn factored(self) -> Option<Factored> {
+        Some(Factored {
+            factor: self.hessian.cholesky()?,
+            gradient: self.gradient,
+            residual: self.residual,
+            prior: self.prior,
+        })
     }
 
     /// Adds a residual `r` whose change is `w . dx`, x being the point of the piece's edge at share `t`.
@@ -552,20 +599,24 @@ impl Normal {
         jacobian: &Jacobian,
     ) {
         let e = (r * r + opposed) / (noise * noise * tail * tail);
-        self.residual += 0.5 * weight * tail * tail * e.ln_1p();
-        if self.gradient.is_empty() {
+        if self.weighed {
+            self.residual += 0.5 * weight * tail * tail * e.ln_1p();
+        }
+        let variables = self.gradient.len();
+        if variables == 0 {
             return;
         }
         let weight = weight / (1.0 + e) / (noise * noise);
-        let mut row = std::mem::take(&mut self.row);
-        row.clear();
-        jacobian.row(piece, t, w, self.gradient.len(), &mut row);
-        for &(a, x) in &row {
+        self.row.clear();
+        jacobian.row(piece, t, w, variables, &mut self.row);
+        // Every variable occurs once; in their order the lower triangle is filled column by column.
+        self.row.sort_unstable_by_key(|&(a, _)| a);
+        for (k, &(a, x)) in self.row.iter().enumerate() {
             self.gradient[a] += weight * r * x;
-            for &(b, y) in &row {
-                self.hessian[(a, b)] += weight * x * y;
+            let column = &mut self.hessian.as_mut_slice()[a * variables..(a + 1) * variables];
+            for &(b, y) in &self.row[k..] {
+                column[b] += weight * y * x;
             }
         }
-        self.row = row;
     }
 }

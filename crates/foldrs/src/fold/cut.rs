@@ -36,8 +36,8 @@ pub(super) fn cut(outline: &Outline, axis: &Axis, chords: &[Chord]) -> (Vec<Piec
             continue;
         }
         let mut piece = Piece {
-            points: Vec::new(),
-            sources: Vec::new(),
+            points: Vec::with_capacity(nodes.len() + chords.len()),
+            sources: Vec::with_capacity(nodes.len() + chords.len()),
         };
         let mut k = first;
         loop {

@@ -54,29 +54,25 @@ pub(super) fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(P
         }
     }
     let shapes = overlay.build_vector_shapes(OverlayRule::Union, FillRule::NonZero);
-    let area = |ring: &[(Point, EdgeId)]| signed_area(&ring.iter().map(|e| e.0).collect::<Vec<_>>());
-    let mut rings: Vec<(Vec<(Point, EdgeId)>, usize)> = shapes
-        .iter()
-        .filter_map(|shape| {
-            let outer = shape.first()?;
-            Some((
-                outer.iter().map(|e| (grid.back(&e.a), e.data)).collect(),
-                shape.len() - 1,
-            ))
-        })
-        .collect();
-    let largest =
-        (0..rings.len()).max_by(|&a, &b| area(&rings[a].0).abs().total_cmp(&area(&rings[b].0).abs()))?;
-    let apart = rings.len() - 1;
-    let (mut ring, holes) = rings.swap_remove(largest);
-    if (area(&ring) > 0.0) != positive {
-        // Reverse the ring; every edge's data must follow its edge.
-        let ids: Vec<EdgeId> = ring.iter().map(|e| e.1).collect();
-        let n = ring.len();
-        ring.reverse();
-        for (i, e) in ring.iter_mut().enumerate() {
-            e.1 = ids[(2 * n - 2 - i) % n];
+    let mut rings: Vec<(Vec<Point>, f64, usize)> = Vec::with_capacity(shapes.len());
+    for (k, shape) in shapes.iter().enumerate() {
+        if let Some(outer) = shape.first() {
+            let ring: Vec<Point> = outer.iter().map(|e| grid.back(&e.a)).collect();
+            let area = signed_area(&ring);
+            rings.push((ring, area, k));
         }
+    }
+    let larger = |a: &usize, b: &usize| rings[*a].1.abs().total_cmp(&rings[*b].1.abs());
+    let largest = (0..rings.len()).max_by(larger)?;
+    let apart = rings.len() - 1;
+    let (mut ring, area, shape) = rings.swap_remove(largest);
+    let holes = shapes[shape].len() - 1;
+    let mut ids: Vec<EdgeId> = shapes[shape][0].iter().map(|e| e.data).collect();
+    if (area > 0.0) != positive {
+        // Every edge's data must follow its edge: edge i now runs from old vertex n-1-i to old vertex n-2-i.
+        ring.reverse();
+        ids.rotate_right(1);
+        ids.reverse();
     }
     let n = ring.len();
     let mut piece = Piece {
@@ -84,9 +80,8 @@ pub(super) fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(P
         sources: Vec::with_capacity(n),
     };
     for i in 0..n {
-        let (a, id) = ring[i];
-        let b = ring[(i + 1) % n].0;
-        let (edge, source) = &inputs[id.0 as usize];
+        let (a, b) = (ring[i], ring[if i + 1 < n { i + 1 } else { 0 }]);
+        let (edge, source) = &inputs[ids[i].0 as usize];
         let on = |p: &Point| {
             let t = foot(edge, p).clamp(0.0, 1.0);
             source.arc[0] + t * (source.arc[1] - source.arc[0])
