@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,24 @@ def test_pairs_keep_their_order_and_leave_out_what_cannot_be_reached():
     assert [pair.landmarks for pair in model.grasp_pairs] == expected
     for pair in model.grasp_pairs:
         np.testing.assert_array_equal(pair.image, [model.landmarks[name].image for name in pair.landmarks])
+
+
+def test_pairs_with_ample_room_come_first_and_none_is_lost():
+    near, far = (
+        replace(model_of(corner_fold()), parameters=GraspParameters(ample=ample)) for ample in (0, 1e3)
+    )
+    assert [pair.landmarks for pair in near.grasp_pairs] == [pair.landmarks for pair in far.grasp_pairs]
+    clearances = {
+        name: float(near.layers.distance_to_double_layer(mark.image[None])[0]) / PX
+        for name, mark in near.landmarks.items()
+    }
+    rooms = [min(clearances[name] for name in pair.landmarks) for pair in near.grasp_pairs]
+    assert min(rooms) < max(rooms)  # else there is nothing to prefer
+    between = (min(rooms) + max(rooms)) / 2
+    model = replace(near, parameters=GraspParameters(ample=between))
+    ample = [all(clearances[name] > between for name in pair.landmarks) for pair in model.grasp_pairs]
+    assert sorted(ample, reverse=True) == ample
+    assert {pair.landmarks for pair in model.grasp_pairs} == {pair.landmarks for pair in near.grasp_pairs}
 
 
 def test_the_double_layer_is_the_turned_corner():

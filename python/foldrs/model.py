@@ -50,17 +50,27 @@ class FoldedModel:
 
         Accessible: on the folded outline, and no double layer within a radius.
         """
-        fitted = self.explanation.fitted
-        marks = carried(fitted.landmarks, fitted.outline, self.unfolded_outline)
-        names, unfolded = list(marks), np.array(list(marks.values()))
-        _, _, arc = _core.nearest_on_outline(self.unfolded_outline, unfolded)
-        now = self.layers.place(unfolded, arc)
+        now, names = self._folded, list(self.explanation.fitted.landmarks)
         _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, now)
-        clear = self.layers.distance_to_double_layer(now) > self.parameters.clearance * self.px_per_unit
+        clear = self._clear_by(self.parameters.clearance)
         visible = off_outline <= self.parameters.on_outline * self.px_per_unit
         if self.seen_outline is not None:
             now = np.where(visible[:, None], self._onto(self.seen_outline, now), now)
         return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, clear & visible, strict=True)}
+
+    @cached_property
+    def _folded(self) -> Points:
+        """(k, 2) px: where folding the model puts every landmark, in the template's order."""
+        fitted = self.explanation.fitted
+        marks = carried(fitted.landmarks, fitted.outline, self.unfolded_outline)
+        unfolded = np.array(list(marks.values()))
+        _, _, arc = _core.nearest_on_outline(self.unfolded_outline, unfolded)
+        return self.layers.place(unfolded, arc)
+
+    def _clear_by(self, radius: float) -> NDArray[np.bool_]:
+        """(k,) whether no double layer lies within a radius, template units, of every landmark."""
+        away = self.layers.distance_to_double_layer(self._folded)
+        return np.asarray(away > radius * self.px_per_unit)
 
     def _onto(self, seen: Points, points: Points) -> Points:
         """Points of the model's outline moved onto the seen one: to a corner near by, else straight to it."""
@@ -75,13 +85,20 @@ class FoldedModel:
 
     @cached_property
     def grasp_pairs(self) -> tuple[GraspPair, ...]:
-        """The template's grasp pairs of which both points are accessible, in its order of preference."""
+        """The template's grasp pairs of which both points are accessible.
+
+        Those with ample room come first, for where layers end is not known to the centimetre; else the
+        order is the template's order of preference.
+        """
         marks = self.landmarks
-        return tuple(
-            GraspPair((a, b), np.array([marks[a].image, marks[b].image]))
+        ample = dict(zip(marks, self._clear_by(self.parameters.ample), strict=True))
+        within_reach = [
+            (a, b)
             for a, b in self.explanation.template.grasp_pairs
             if marks[a].accessible and marks[b].accessible
-        )
+        ]
+        within_reach.sort(key=lambda pair: not (ample[pair[0]] and ample[pair[1]]))  # stable
+        return tuple(GraspPair((a, b), np.array([marks[a].image, marks[b].image])) for a, b in within_reach)
 
     @cached_property
     def unfolding(self) -> UnfoldingAction | None:

@@ -350,6 +350,9 @@ class GraspParameters:
 
     clearance: float = 2.0
     """Template units (cm): no double layer this near to an accessible landmark. A finger's width."""
+    ample: float = 6.0
+    """Template units (cm): grasp pairs with no double layer this near to either landmark are preferred. Where
+    a hidden layer ends is known to a few centimetres; 4 to 8 are alike."""
     on_outline: float = 1.0
     """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
     snap: float = 3.0
