@@ -10,7 +10,7 @@ import pytest
 import foldrs
 from foldrs import _core
 from foldrs.explanation import Explanation
-from foldrs.model import FoldedModel
+from foldrs.model import FoldedModel, turns_at
 from foldrs.parameters import GraspParameters
 from foldrs.result import FittedTemplate, Fold
 
@@ -86,6 +86,13 @@ def test_pairs_with_ample_room_come_first_and_none_is_lost():
     ample = [all(clearances[name] > between for name in pair.landmarks) for pair in model.grasp_pairs]
     assert sorted(ample, reverse=True) == ample
     assert {pair.landmarks for pair in model.grasp_pairs} == {pair.landmarks for pair in near.grasp_pairs}
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_an_outline_turns_outwards_at_a_corner_and_inwards_at_a_notch(way):
+    notched = np.array([[0, 0], [10, 0], [20, 0], [20, 20], [10, 12], [0, 20]], float)[::way].copy()
+    turns = turns_at(notched, np.array([[20.0, 0.5], [10.0, 12.5], [10.0, 0.0]]), 5.0)
+    np.testing.assert_allclose(np.degrees(turns), [90.0, -77.3, 0.0], atol=10.0)
 
 
 def test_the_double_layer_is_the_turned_corner():

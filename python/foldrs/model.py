@@ -73,10 +73,15 @@ class FoldedModel:
         return np.asarray(away > radius * self.px_per_unit)
 
     def _onto(self, seen: Points, points: Points) -> Points:
-        """Points of the model's outline moved onto the seen one: to a corner near by, else straight to it."""
+        """Points of the model's outline moved onto the seen one: to a like corner near by, else straight."""
         unit = float(np.sqrt(abs(_core.signed_area(seen))))
         corners = _core.simplify(seen, self.parameters.corner_tolerance * unit)
         apart = np.linalg.norm(points[:, None] - corners[None], axis=2)
+        # A hem's corner is not the armpit next to it, nor the end of the crease.
+        arm = self.parameters.corner_arm * self.px_per_unit
+        turns, those = turns_at(self.layers.outline, points, arm), turns_at(seen, corners, arm)
+        unlike = np.abs(turns[:, None] - those[None]) > np.radians(self.parameters.corner_likeness)
+        apart[unlike] = np.inf
         nearest, distance, _ = _core.nearest_on_outline(seen, points)
         limit = self.parameters.snap * self.px_per_unit
         onto = np.where((distance <= limit)[:, None], nearest, points)
@@ -134,3 +139,21 @@ class FoldedModel:
         """Distance of a landmark from the crease's line, px."""
         pick = self.landmarks[name].image
         return float(np.linalg.norm(_core.reflect(pick[None], crease)[0] - pick)) / 2.0
+
+
+def turns_at(outline: Points, points: Points, arm: float) -> NDArray[np.float64]:
+    """By how much a closed outline turns at points near it, radians, positive where it bulges outwards.
+
+    Parameters
+    ----------
+    outline : (n, 2) array
+    points : (k, 2) array
+    arm : float
+        Distance along the outline before and behind each point over which the turn is taken.
+    """
+    ring = outline if _core.signed_area(outline) > 0 else outline[::-1].copy()
+    length = float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum())
+    _, _, arc = _core.nearest_on_outline(ring, points)
+    before, here, behind = (_core.points_at(ring, (arc + step) % length) for step in (-arm, 0.0, arm))
+    (ux, uy), (vx, vy) = (here - before).T, (behind - here).T
+    return np.asarray(np.arctan2(ux * vy - uy * vx, ux * vx + uy * vy))

@@ -337,11 +337,9 @@ class FittingParameters:
     largest_shift: float = 0.1
     """A corner moves at most this far from where it was registered, as a share of the square root of the
     area: two nearly parallel lines may meet anywhere."""
-    snap: float = 6.0
-    """Template units (cm): as `GraspParameters.snap`, for garments placed by this stage: its corners, each
-    from two straight lines, lie less true than those of the joint fit."""
-    snap_corner: float = 5.0
-    """Template units (cm): as `GraspParameters.snap_corner`, likewise."""
+    snap_corner: float = 7.0
+    """Template units (cm): as `GraspParameters.snap_corner`, for garments placed by this stage: its corners,
+    each from two straight lines, lie less true than those of the joint fit."""
 
 
 @dataclass(frozen=True)
@@ -355,11 +353,15 @@ class GraspParameters:
     a hidden layer ends is known to a few centimetres; 4 to 8 are alike."""
     on_outline: float = 1.0
     """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
-    snap: float = 3.0
+    snap: float = 6.0
     """Template units (cm): a landmark on the model's outline is moved to the seen one if that is this near;
     straight edges overshoot rounded corners."""
     snap_corner: float = 2.0
     """Template units (cm): a corner of the seen outline this near is preferred; landmarks are corners."""
+    corner_likeness: float = 45.0
+    """Degrees: only a corner where the outline turns as the model's does, up to this."""
+    corner_arm: float = 3.0
+    """Template units (cm) before and behind a corner over which its turn is taken: a cuff is 8 cm wide."""
     corner_tolerance: float = 0.02
     """Tolerance of the simplification whose corners count, as a share of the square root of the area."""
 

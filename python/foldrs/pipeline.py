@@ -139,8 +139,7 @@ def fit(
         explanations = [one.explanation for one in fits]
         stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
-        wide = parameters.fitting
-        grasp = replace(parameters.grasp, snap=wide.snap, snap_corner=wide.snap_corner)
+        grasp = replace(parameters.grasp, snap_corner=parameters.fitting.snap_corner)
     else:
         edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
         if edges is not None and sight.heights is not None:
