@@ -1,12 +1,15 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
 use super::rim::{Picture, RimEvidence, Rims};
-use super::{fit_starts, fit_unfolded, stack, start_from, FlexibleTemplate, JointFit, SeenField, Start};
+use super::{
+    fit_starts, fit_unfolded, flap, stack, start_from, FlexibleTemplate, JointFit, SeenField, Start,
+};
 use crate::matching::{Claim, Seen};
 use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
 use crate::{Outline, Point, Segment};
 use nalgebra::Matrix2;
+use std::borrow::Cow;
 
 /// A template fitted jointly with its creases, in the units of the seen outline and of the template.
 ///
@@ -29,12 +32,16 @@ pub struct JointExplanation {
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub rim: RimEvidence,
+    /// How much less likely flaps are of the size of its own than ones of half the garment, in nats; tells the number of
+    /// folds only.
+    pub flaps: f64,
 }
 
 impl JointExplanation {
-    /// Minus log evidence of the outline alone: that of the picture is bounded, and says nothing of a garment unfolded.
+    /// What its number of folds is judged by: minus log evidence of the outline alone, for that of the picture is bounded
+    /// and says nothing of a garment unfolded, and how usual the sizes of its flaps are.
     fn outline_surprise(&self) -> f64 {
-        self.surprise + self.rim.gain
+        self.surprise + self.rim.gain + self.flaps
     }
 }
 
@@ -104,7 +111,7 @@ pub fn explain_jointly(
     for count in 1..=most {
         let fits = fit_starts(
             &search.field,
-            templates,
+            &search.templates,
             &starts,
             rims.as_ref(),
             &search.parameters,
@@ -121,7 +128,8 @@ pub fn explain_jointly(
 
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
 struct Search<'a> {
-    templates: &'a [FlexibleTemplate],
+    /// As they look from where the picture may have been taken.
+    templates: Cow<'a, [FlexibleTemplate]>,
     scale: Option<f64>,
     parameters: FitParameters,
     /// Seen units a working unit.
@@ -149,6 +157,14 @@ impl<'a> Search<'a> {
         let growth = match scale {
             Some(_) => parameters.growth,
             None => parameters.free_growth,
+        };
+        // A scale is that of one distance: the picture was then taken from straight above, or made so.
+        let templates = match scale {
+            Some(_) => Cow::Borrowed(templates),
+            None => templates
+                .iter()
+                .map(|t| t.clone().seen_at_an_angle(parameters.view))
+                .collect(),
         };
         Some(Self {
             templates,
@@ -219,7 +235,7 @@ impl<'a> Search<'a> {
         );
         let growth = self.scale.map_or(self.parameters.hidden.sqrt(), |_| 1.0);
         let more = stack::extended(&known, &self.sides, growth, &self.parameters);
-        stack::promising(&self.field, self.templates, more, &self.parameters)
+        stack::promising(&self.field, &self.templates, more, &self.parameters)
     }
 
     /// Fits as explanations by so many folds.
@@ -234,8 +250,10 @@ impl<'a> Search<'a> {
         };
         let told = |(t, fit): &(usize, JointFit)| {
             let told = explanation(*t, &self.templates[*t], fit, self.working, self.scale.is_some())?;
+            let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
             Some(JointExplanation {
                 surprise: told.surprise + choice,
+                flaps: flap::surprise(&shares, p.flap),
                 ..told
             })
         };
@@ -298,5 +316,6 @@ fn explanation(
         creases,
         surprise: fit.surprise,
         rim: fit.rim,
+        flaps: 0.0,
     })
 }

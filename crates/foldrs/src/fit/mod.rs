@@ -13,11 +13,13 @@
 
 mod explain;
 mod field;
+mod flap;
 mod layers;
 mod rim;
 mod shape;
 mod solve;
 mod stack;
+mod view;
 
 pub use explain::{explain_jointly, FoldCount, JointExplanation, JointFits};
 pub use field::SeenField;
