@@ -199,6 +199,10 @@ class JointFitParameters:
     """Spread of the logarithm of the garment's size about the template's, where the scale is known."""
     free_growth: float = 0.25
     """The same where the scale is unknown."""
+    view: float = 0.05
+    """Spread of how much larger a camera at an angle draws a garment's near side than its far side, over its
+    size, where the scale is unknown: a garment of 60 cm, seen from 2 m at 10 degrees. With a scale, or a
+    plane that tells it, the outline is one seen from straight above."""
     hidden: float = 1.3
     """Area of the garment over the area seen, where the scale is unknown: one fold hides between nothing and
     half."""
@@ -221,6 +225,10 @@ class JointFitParameters:
     further_fold: float = 4.0
     """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded
     once are taken for folded twice as the other way round."""
+    flap: float = 2.0
+    """Power of the share of the cloth a fold turns over that its prior density grows with: who folds a
+    garment turns over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by
+    itself. For the number of folds only."""
     noise: float = 0.8
     """Expected distance of the seen outline from the model's straight edges: curved hems, soft cloth."""
     tail: float = 3.0

@@ -175,6 +175,10 @@ pub struct FitParameters {
     pub growth: f64,
     /// The same where the scale is unknown.
     pub free_growth: f64,
+    /// Spread of how much larger a camera at an angle draws a garment's near side than its far side, over its size, where
+    /// the scale is unknown: a garment of 60 cm, seen from 2 m at 10 degrees. With a scale, or a plane that tells it,
+    /// the outline is one seen from straight above.
+    pub view: f64,
     /// Area of the garment over the area seen, where the scale is unknown: one fold hides between nothing and half.
     pub hidden: f64,
     /// Spread of the pose's turn, in radians: any.
@@ -194,6 +198,10 @@ pub struct FitParameters {
     pub first_fold: f64,
     /// Nats each further fold must gain: most of that has then been taken up.
     pub further_fold: f64,
+    /// Power of the share of the cloth a fold turns over that its prior density grows with: who folds a garment turns
+    /// over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by itself. For the number of
+    /// folds only.
+    pub flap: f64,
     /// Distance of the seen outline from the model's straight edges to be expected: curved hems, soft cloth.
     pub noise: f64,
     /// Distances beyond this multiple of the noise count less and less.
@@ -242,6 +250,7 @@ impl Default for FitParameters {
             asymmetry: 0.05,
             growth: 0.15,
             free_growth: 0.25,
+            view: 0.05,
             hidden: 1.3,
             turn: 2.0,
             offset: 50.0,
@@ -251,6 +260,7 @@ impl Default for FitParameters {
             earlier_skew: 0.1,
             first_fold: 11.0,
             further_fold: 4.0,
+            flap: 2.0,
             noise: 0.8,
             tail: 3.0,
             correlation: 5.0,

@@ -2,7 +2,8 @@
 
 use super::rim::{Picture, RimEvidence, Rims};
 use super::{
-    fit_starts, fit_unfolded, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField, Start,
+    fit_starts, fit_unfolded, flap, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField,
+    Start,
 };
 use crate::hypothesis::Face;
 use crate::matching::{Claim, Seen};
@@ -10,6 +11,7 @@ use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
 use crate::{Outline, Point, Segment};
 use nalgebra::Matrix2;
+use std::borrow::Cow;
 
 /// A template fitted jointly with its creases, in the units of the seen outline and of the template.
 ///
@@ -32,12 +34,16 @@ pub struct JointExplanation {
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub rim: RimEvidence,
+    /// How much less likely flaps are of the size of its own than ones of half the garment, in nats; tells the number of
+    /// folds only.
+    pub flaps: f64,
 }
 
 impl JointExplanation {
-    /// Minus log evidence of the outline alone: that of the picture is bounded, and says nothing of a garment unfolded.
+    /// What its number of folds is judged by: minus log evidence of the outline alone, for that of the picture is bounded
+    /// and says nothing of a garment unfolded, and how usual the sizes of its flaps are.
     fn outline_surprise(&self) -> f64 {
-        self.surprise + self.rim.gain
+        self.surprise + self.rim.gain + self.flaps
     }
 }
 
@@ -156,7 +162,8 @@ pub fn explain_from(
 
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
 struct Search<'a> {
-    templates: &'a [FlexibleTemplate],
+    /// As they look from where the picture may have been taken.
+    templates: Cow<'a, [FlexibleTemplate]>,
     scale: Option<f64>,
     parameters: FitParameters,
     /// Seen units a working unit.
@@ -185,6 +192,14 @@ impl<'a> Search<'a> {
             Some(_) => parameters.growth,
             None => parameters.free_growth,
         };
+        // A scale is that of one distance: the picture was then taken from straight above, or made so.
+        let templates = match scale {
+            Some(_) => Cow::Borrowed(templates),
+            None => templates
+                .iter()
+                .map(|t| t.clone().seen_at_an_angle(parameters.view))
+                .collect(),
+        };
         Some(Self {
             templates,
             scale,
@@ -210,7 +225,7 @@ impl<'a> Search<'a> {
 
     /// The fits from starts, the best evidence first.
     fn fits(&self, starts: &[(usize, Start)], rims: Option<&Rims>) -> Vec<(usize, JointFit)> {
-        fit_starts(&self.field, self.templates, starts, rims, &self.parameters)
+        fit_starts(&self.field, &self.templates, starts, rims, &self.parameters)
     }
 
     /// Expected number of working units a unit of a template folded so many times.
@@ -264,7 +279,7 @@ impl<'a> Search<'a> {
         );
         let growth = self.scale.map_or(self.parameters.hidden.sqrt(), |_| 1.0);
         let more = stack::extended(&known, &self.sides, growth, &self.parameters);
-        stack::promising(&self.field, self.templates, more, &self.parameters)
+        stack::promising(&self.field, &self.templates, more, &self.parameters)
     }
 
     /// Fits as explanations by so many folds.
@@ -279,8 +294,10 @@ impl<'a> Search<'a> {
         };
         let told = |(t, fit): &(usize, JointFit)| {
             let told = explanation(*t, &self.templates[*t], fit, self.working, self.scale.is_some())?;
+            let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
             Some(JointExplanation {
                 surprise: told.surprise + choice,
+                flaps: flap::surprise(&shares, p.flap),
                 ..told
             })
         };
@@ -343,5 +360,6 @@ fn explanation(
         creases,
         surprise: fit.surprise,
         rim: fit.rim,
+        flaps: 0.0,
     })
 }

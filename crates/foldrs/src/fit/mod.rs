@@ -13,12 +13,14 @@
 
 mod explain;
 mod field;
+mod flap;
 mod layers;
 mod nearest;
 mod rim;
 mod shape;
 mod solve;
 mod stack;
+mod view;
 
 pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
