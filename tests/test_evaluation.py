@@ -45,7 +45,10 @@ from foldrs.evaluation import (
 from foldrs.evaluation.axes import axis_error, template_distance
 from foldrs.evaluation.geometry import iou, iou_by_rigid_motion, mirrored, polygon, similarity
 from foldrs.evaluation.landmarked import LandmarkedOutline
+from foldrs.evaluation.reliability import reliability
 from foldrs.evaluation.run import own_template
+from foldrs.evaluation.search import SAME_NATS, missed_nats
+from foldrs.pipeline import fit
 from foldrs.synth import SynthParameters, make_scene
 from foldrs.template import Template, builtin_templates
 
@@ -301,6 +304,30 @@ def test_a_mismatch_is_a_wrong_choice_beside_a_right_hypothesis():
         assert (row.right_in_first, row.mismatch) == (in_first, mismatch)
 
 
+def test_probabilities_are_compared_with_what_happened():
+    truth = scene()
+    wrong, right = with_axis([[0, 0], [30, 40]]), with_axis([[40, 0], [40, 40]])
+
+    def told(first, *others):
+        shares = (0.7, 0.2, 0.1)
+        alternatives = [
+            {"garment_type": "sheet", "template": one, "probability": p}
+            for one, p in zip((first, *others), shares, strict=False)
+        ]
+        return measure(truth, prediction(truth, template=first, alternatives=alternatives), SHEET)
+
+    # Of two alternatives with the right axis only the first is the right one.
+    assert told(wrong, right, right).chances == ((0.7, False), (0.2, True), (0.1, False))
+    rows = [told(right, wrong, wrong)] * 3 + [told(wrong, right, wrong)]
+    low, middle, high = reliability(rows)
+    assert (high.said, high.happened, high.cases) == pytest.approx((0.7, 0.75, 4))
+    assert (middle.said, middle.happened, middle.cases) == pytest.approx((0.2, 0.25, 4))
+    assert (low.said, low.happened, low.cases) == pytest.approx((0.1, 0.0, 4))
+    (first,) = reliability(rows, first_only=True)
+    assert first == high
+    assert reliability([failed(truth, "no picture")]) == []
+
+
 def test_another_kind_is_wrong_in_every_rate_but_may_be_among_the_first():
     truth = scene()
     other = {"garment_type": "sheet", "template": with_axis([[40, 0], [40, 40]])}
@@ -518,6 +545,38 @@ def test_every_protocol_finds_most_folds_end_to_end(drawn_scenes, tmp_path, prot
     assert overall["failed"] == 0
     assert overall["clr_fitted"] >= 50
     assert overall["segmentation_iou"] >= 0.9
+
+
+def test_what_the_search_misses_is_measured(drawn_scenes, tmp_path):
+    arguments = [str(drawn_scenes), "--search", "--px-per-cm", "4", "--out", str(tmp_path)]
+    done = CliRunner().invoke(evaluate_command, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
+    content = json.loads((tmp_path / "evaluation.json").read_text())
+    assert content["options"]["true_outlines"]
+    missed = [row["missed_nats"] for row in content["scenes"]]
+    # A start from the truth ends near what was found: it is hardly better, and mostly the same.
+    assert max(missed) < SAME_NATS
+    assert sum(abs(nats) < SAME_NATS for nats in missed) >= 4
+    assert content["table"]["overall"]["missed_rate"] == 0
+
+
+def test_a_search_that_ends_dearer_than_the_truth_has_missed_it(drawn_scenes):
+    one = next(one for one in load_scenes(drawn_scenes) if one.garment_type == "pants")
+    templates = builtin_templates("pants")
+    kind = Kind.of(templates, one.landmarks)
+    found = fit(one.outline_image, templates=templates, px_per_cm=4)
+    assert abs(missed_nats(one, found, templates, kind, 4.0)) < SAME_NATS
+    dearer = replace(found, matching_cost=found.matching_cost + 5.0)
+    assert missed_nats(one, dearer, templates, kind, 4.0) == pytest.approx(5.0, abs=SAME_NATS)
+    with pytest.raises(ParameterError, match="folded once"):
+        missed_nats(replace(one, axis_image=None), found, templates, kind, 4.0)
+
+
+@pytest.mark.parametrize("argument", ["--method=paper", "--protocol=open", "--folds=2"])
+def test_the_search_is_measured_for_one_fold_of_a_known_kind(drawn_scenes, argument):
+    done = CliRunner().invoke(evaluate_command, [str(drawn_scenes), "--search", argument])
+    assert done.exit_code == 2
+    assert "--search" in done.output
 
 
 def test_the_synthetic_protocol_from_the_command_line(tmp_path):

@@ -193,7 +193,7 @@ class JointFitParameters:
     """Spread of the difference between neighbouring corners' displacements, as a share of their edge ..."""
     edge_floor: float = 0.02
     """... and this besides, of the size: short edges bend less than long ones."""
-    asymmetry: float = 0.05
+    asymmetry: float = 0.04
     """Spread of the difference between the garment's halves, of the size (1.5 to 3 cm)."""
     growth: float = 0.15
     """Spread of the logarithm of the garment's size about the template's, where the scale is known."""
@@ -229,8 +229,10 @@ class JointFitParameters:
     """Power of the share of the cloth a fold turns over that its prior density grows with: who folds a
     garment turns over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by
     itself. For the number of folds only."""
-    noise: float = 0.8
-    """Expected distance of the seen outline from the model's straight edges: curved hems, soft cloth."""
+    noise: float = 0.6
+    """Expected distance of the seen outline from the model's edges: wavy hems, soft cloth."""
+    bow: float = 0.02
+    """Spread of how far an edge bulges in its middle, as a share of its length: hems and seams are curved."""
     tail: float = 3.0
     """Distances beyond this multiple of the noise count less and less."""
     correlation: float = 5.0

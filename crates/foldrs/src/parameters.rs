@@ -169,7 +169,7 @@ pub struct FitParameters {
     /// ... and this share of the square root of the area besides: short edges bend less than long ones.
     pub edge_floor: f64,
     /// Spread of the difference between the garment's two halves, as a share of the square root of its area
-    /// (1.5 to 3 cm).
+    /// (1.5 to 3 cm with the bulges of edges, which have a spread of their own).
     pub asymmetry: f64,
     /// Spread of the logarithm of the garment's size about the template's where the scale is known.
     pub growth: f64,
@@ -202,8 +202,10 @@ pub struct FitParameters {
     /// over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by itself. For the number of
     /// folds only.
     pub flap: f64,
-    /// Distance of the seen outline from the model's straight edges to be expected: curved hems, soft cloth.
+    /// Distance of the seen outline from the model's edges to be expected: wavy hems, soft cloth.
     pub noise: f64,
+    /// Spread of how far an edge bulges in its middle, as a share of its length: hems and collars are curved.
+    pub bow: f64,
     /// Distances beyond this multiple of the noise count less and less.
     pub tail: f64,
     /// Length along the outline over which distances go together: so much outline is one observation.
@@ -247,7 +249,7 @@ impl Default for FitParameters {
             shape: 0.1,
             edge: 0.25,
             edge_floor: 0.02,
-            asymmetry: 0.05,
+            asymmetry: 0.04,
             growth: 0.15,
             free_growth: 0.25,
             view: 0.05,
@@ -261,7 +263,8 @@ impl Default for FitParameters {
             first_fold: 11.0,
             further_fold: 4.0,
             flap: 2.0,
-            noise: 0.8,
+            noise: 0.6,
+            bow: 0.02,
             tail: 3.0,
             correlation: 5.0,
             against: 6.0,

@@ -4,9 +4,13 @@ mod common;
 
 use common::cases;
 use foldrs::crease::Axis;
-use foldrs::fit::{fit_jointly, fit_unfolded, start_from, FlexibleTemplate, JointFit, SeenField};
+use foldrs::fit::{
+    explain_from, explain_jointly, fit_jointly, fit_unfolded, start_from, FlexibleTemplate, FoldCount,
+    JointFit, KnownFold, SeenField,
+};
 use foldrs::hypothesis::{Face, Hypothesis};
-use foldrs::parameters::FitParameters;
+use foldrs::matching::{claim_axes, Seen};
+use foldrs::parameters::{FitParameters, Parameters};
 use foldrs::registration::PlaneMap;
 use foldrs::{fold, Outline, Point, Segment};
 use nalgebra::{Rotation2, Vector2};
@@ -113,4 +117,56 @@ proptest! {
         prop_assert!(folded.surprise < unfolded.surprise);
         prop_assert!((folded.scale - 1.0).abs() < 0.02);
     }
+}
+
+proptest! {
+    #![proptest_config(cases(8))]
+
+    #[test]
+    fn a_fold_known_beforehand_is_explained_as_it_is_found(
+        axis in axis(), turn in -3.0..3.0_f64, mirrored in any::<bool>()
+    ) {
+        let Some(scene) = scene(&axis, turn, mirrored) else { return Ok(()) };
+        let parameters = Parameters::default();
+        let seen = Seen::new(scene.outline, &parameters);
+        let templates = [FlexibleTemplate::new(&shirt(), &[], &parameters.fit)];
+        let claims = claim_axes(&seen, &[shirt()], Some(1.0), &parameters);
+        let one = FoldCount::Exactly(1);
+        let found = explain_jointly(&seen, &templates, &claims, Some(1.0), None, one, &parameters);
+        let known = KnownFold {
+            template: 0,
+            axis: scene.axis,
+            crease: scene.crease,
+            face: if mirrored { Face::Mirrored } else { Face::Seen },
+        };
+        let told = explain_from(&seen, &templates, &[known], Some(1.0), None, &parameters);
+        prop_assert!((told[0].surprise - found.by_folds[1][0].surprise).abs() < 0.5);
+    }
+}
+
+/// A towel whose lower hem bulges by so much, cm.
+fn towel(bulge: f64) -> Outline {
+    let hem = (0..=20).map(|k| {
+        let t = f64::from(k) / 20.0;
+        Point::new(60.0 * t, -4.0 * t * (1.0 - t) * bulge)
+    });
+    let rest = [Point::new(60.0, 40.0), Point::new(0.0, 40.0)];
+    Outline::new(hem.chain(rest).collect()).unwrap()
+}
+
+#[test]
+fn a_hem_that_bulges_surprises_less_if_edges_may_bulge() {
+    let surprise = |bow: f64, bulge: f64| {
+        let mut parameters = FitParameters::default();
+        parameters.bow = bow;
+        let template = FlexibleTemplate::new(&towel(0.0), &[], &parameters);
+        let seen = towel(bulge);
+        let field = SeenField::new(&seen, parameters.samples, parameters.nodes);
+        let fit = fit_unfolded(&field, &template, seen.centroid(), 1.0, &parameters).unwrap();
+        fit.surprise
+    };
+    let (soft, hard) = (FitParameters::default().bow, 1e-4);
+    assert!(surprise(soft, 3.0) < surprise(hard, 3.0) - 2.0);
+    // Freedom that nothing asks for costs something.
+    assert!(surprise(soft, 0.0) > surprise(hard, 0.0));
 }

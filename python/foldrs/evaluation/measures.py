@@ -184,12 +184,12 @@ def _measure_alternatives(
     row: SceneMeasures, scene: Scene, prediction: Mapping[str, Any], kind: Kind
 ) -> SceneMeasures:
     """Whether the first few alternatives hold a right one, and whether any but the chosen one is right."""
-    alternatives = [prediction, *prediction.get("alternatives", [])[1:]]
+    told = prediction.get("alternatives", [])
     right = [
         one["garment_type"] == scene.garment_type and axis_error(scene, one["template"], kind)[0] < RIGHT
-        for one in alternatives
+        for one in [prediction, *told[1:]]
     ]
-    said = [float(one["probability"]) for one in prediction.get("alternatives", [])]
+    said = [float(one["probability"]) for one in told if "probability" in one]
     the_right_one = [ok and not any(right[:k]) for k, ok in enumerate(right)]
     return replace(
         row,

@@ -79,6 +79,8 @@ struct State {
     offset: Vector,
     /// Where every crease lies, first made first.
     slips: Vec<Slip>,
+    /// How far every edge bulges to its left in the middle, in seen units: hems and seams are not straight.
+    bows: Vec<f64>,
 }
 
 /// How a crease lies beside its side.
@@ -97,6 +99,8 @@ struct Problem<'a> {
     start: Start,
     /// The sides as axes with the flap on their left, first made first, and their middles.
     sides: Vec<(Axis, Point)>,
+    /// Spread of every edge's bow, in seen units.
+    bow_spreads: Vec<f64>,
     parameters: &'a FitParameters,
 }
 
@@ -215,11 +219,15 @@ impl<'a> Problem<'a> {
             Some((Axis::new(&[side[1], side[0]]).ok()?, middle))
         };
         let sides = start.sides.iter().map(turned).collect::<Option<_>>()?;
+        let corners = &template.corners;
+        let length = |i: usize| (corners[(i + 1) % corners.len()] - corners[i]).norm() * start.scale;
+        let bow_spreads = (0..corners.len()).map(|i| parameters.bow * length(i)).collect();
         Some(Self {
             field,
             template,
             start,
             sides,
+            bow_spreads,
             parameters,
         })
     }
@@ -233,6 +241,7 @@ impl<'a> Problem<'a> {
             turn: self.start.turn,
             offset: self.start.target.coords - anchor,
             slips: vec![Slip::default(); self.sides.len()],
+            bows: vec![0.0; self.template.corners.len()],
         }
     }
 
@@ -314,10 +323,13 @@ impl<'a> Problem<'a> {
                     skew: state.slips[k].skew + d[n + POSE + 2 * k + 1],
                 })
                 .collect(),
+            bows: (0..state.bows.len())
+                .map(|i| state.bows[i] + d[n + POSE + 2 * state.slips.len() + i])
+                .collect(),
         }
     }
 
-    /// Prior precisions of growth, turn, offset x and y, and every crease's shift and skew.
+    /// Prior precisions of growth, turn, offset x and y, every crease's shift and skew, and every edge's bow.
     fn free_precisions(&self) -> Vec<f64> {
         let p = self.parameters;
         let mut spreads = vec![p.growth, p.turn, p.offset, p.offset];
@@ -330,6 +342,7 @@ impl<'a> Problem<'a> {
                 [p.earlier_shift, p.earlier_skew]
             });
         }
+        spreads.extend(&self.bow_spreads);
         spreads.into_iter().map(|spread| spread.powi(-2)).collect()
     }
 
@@ -337,7 +350,7 @@ impl<'a> Problem<'a> {
     /// unless it is `weighed`.
     fn linearise(&self, state: &State, noise: f64, weighed: bool) -> Option<Normal> {
         let n = state.displacement.len();
-        let mut normal = Normal::of(n + POSE + 2 * self.sides.len());
+        let mut normal = Normal::of(n + POSE + 2 * self.sides.len() + state.bows.len());
         normal.weighed = weighed;
         normal.prior = self.template.cost(&state.displacement);
         normal
@@ -350,6 +363,7 @@ impl<'a> Problem<'a> {
             .copy_from(&(&self.template.precision * &state.displacement));
         let slips = state.slips.iter().flat_map(|slip| [slip.shift, slip.skew]);
         let free = [state.growth, 0.0, 0.0, 0.0].into_iter().chain(slips);
+        let free = free.chain(state.bows.iter().copied());
         for (k, (precision, value)) in self.free_precisions().into_iter().zip(free).enumerate() {
             normal.hessian[(n + k, n + k)] += precision;
             normal.gradient[n + k] += precision * value;
@@ -370,6 +384,7 @@ impl<'a> Problem<'a> {
             pivots: &self.pivots(state),
             creases: &creases,
             ring: &ring,
+            bows: &state.bows,
         };
         self.explain_seen(&pieces, &jacobian, noise, &mut normal);
         self.stay_inside(&pieces, &jacobian, noise, &mut normal);
@@ -383,8 +398,7 @@ impl<'a> Problem<'a> {
         let nearest = nearest_pieces(&self.field.samples, pieces, p.against, p.bend);
         for ((q, _), Nearest { piece: k, t, opposed }) in self.field.samples.iter().zip(nearest) {
             let piece = &pieces[k];
-            let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
-            let v = q - x;
+            let v = q - jacobian.point(piece, t);
             let across = Vector::new(-piece.direction.y, piece.direction.x);
             // Within the edge only the distance across it counts; beyond its end, all of it.
             let inner = t > piece.share[0] && t < piece.share[1];
@@ -407,8 +421,7 @@ impl<'a> Problem<'a> {
             let weight = (visible / count / p.correlation).min(1.0);
             for k in 0..count as usize {
                 let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
-                let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
-                if let Some((out, gradient)) = self.field.outside(&x) {
+                if let Some((out, gradient)) = self.field.outside(&jacobian.point(piece, t)) {
                     normal.add(piece, t, out, gradient, 0.0, noise, weight, p.tail, jacobian);
                 }
             }
@@ -483,12 +496,27 @@ struct Jacobian<'a> {
     pivots: &'a [Point],
     creases: &'a [Crease],
     ring: &'a [Point],
+    bows: &'a [f64],
 }
 
 impl Jacobian<'_> {
+    /// Where the model has the point of a piece's source at share `t`.
+    fn point(&self, piece: &Piece, t: f64) -> Point {
+        let along = piece.ends[1] - piece.ends[0];
+        let straight = piece.ends[0] + along * t;
+        let Source::Edge(i) = piece.source else {
+            return straight;
+        };
+        // What is turned over bulges to the other side.
+        let left = if piece.turned.over() { -1.0 } else { 1.0 };
+        let across = Vector::new(-along.y, along.x) / piece.length.max(f64::MIN_POSITIVE);
+        straight + across * (left * self.bows[i] * bulge(t))
+    }
+
     /// How `w . x` changes with the variables, x being the point of a piece's source at share `t`.
     fn row(&self, piece: &Piece, t: f64, mut w: Vector, variables: usize, row: &mut Vec<(usize, f64)>) {
-        let first = variables - 2 * self.axes.len();
+        let bows = variables - self.bows.len();
+        let first = bows - 2 * self.axes.len();
         let n = first - POSE;
         let mut x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;
         // Back through the folds that turned it over, to where it lay before.
@@ -526,9 +554,17 @@ impl Jacobian<'_> {
                 row.push((n + 1, w.dot(&Vector::new(-v.y, v.x))));
                 row.push((n + 2, w.x));
                 row.push((n + 3, w.y));
+                let along = self.ring[j] - self.ring[i];
+                let across = Vector::new(-along.y, along.x) / piece.length.max(f64::MIN_POSITIVE);
+                row.push((bows + i, w.dot(&across) * bulge(t)));
             }
         }
     }
+}
+
+/// How far out an edge is at share `t` of its length, of what it is in the middle.
+fn bulge(t: f64) -> f64 {
+    4.0 * t * (1.0 - t)
 }
 
 /// How well a state explains the seen outline.
