@@ -56,13 +56,13 @@ def test_a_kind_gains_nothing_by_a_template_given_twice(pants: Template, skirt: 
     np.testing.assert_allclose([p for _, p in twice], [p for _, p in once])
 
 
-def test_a_kind_with_one_good_template_of_two_has_less_of_its_prior(pants: Template, skirt: Template) -> None:
+def test_a_kind_with_one_good_template_of_two_has_half_its_prior(pants: Template, skirt: Template) -> None:
     other = replace(skirt, name="other")
     (first, p), (second, q) = probabilities(
         [explained(skirt, 1.0), explained(pants, 1.0)], [pants, skirt, other]
     )
     assert (first, second) == ("pants", "skirt")
-    assert p == pytest.approx(2 ** AlternativeParameters().sharing * q)
+    assert p == pytest.approx(2 * q)
 
 
 def test_what_templates_of_a_kind_explain_alike_adds_up(skirt: Template) -> None:

@@ -4,9 +4,8 @@ Two explanations are the same if they predict the same in the image: the same la
 garment when unfolded (or its mirror image over the crease: which part was turned over cannot be told). So
 the mirror twins of a symmetric template count once, whatever its symmetry.
 
-Every kind is as probable as every other before the outline is seen, and its templates share that: a kind does
-not win for having more templates. What several templates of a kind explain alike adds up. In the published
-method the cheapest explanation wins, whatever its kind has (section 2.1.2).
+Every kind is as probable as every other before the outline is seen, and each of its templates a like share of
+that: a kind does not win for having more templates. What several templates of a kind explain alike adds up.
 """
 
 from __future__ import annotations
@@ -60,21 +59,18 @@ def distinct(
             groups.append([one])
         if len(groups) == parameters.most and not several:
             break  # dearer ones of the same template add nothing
-    kept = [_weighted(group, of_kind, temperature, parameters.sharing) for group in groups]
+    kept = [_weighted(group, of_kind, temperature) for group in groups]
     return sorted(kept, key=lambda one: one.cost - temperature * float(np.log(one.weight)))
 
 
-def _weighted(
-    group: Sequence[Explanation], of_kind: Counter[str], temperature: float, sharing: float
-) -> Explanation:
+def _weighted(group: Sequence[Explanation], of_kind: Counter[str], temperature: float) -> Explanation:
     """Return the cheapest of like explanations, weighted by what every template's best one adds to it."""
     first = group[0]
     best: dict[int, float] = {}
     for one in group:
         best.setdefault(id(one.template), one.cost)
     total = sum(float(np.exp(-(cost - first.cost) / temperature)) for cost in best.values())
-    share = total / of_kind[first.template.garment_type]
-    return replace(first, weight=float(share**sharing))
+    return replace(first, weight=total / of_kind[first.template.garment_type])
 
 
 def alike(one: Explanation, other: Explanation, parameters: AlternativeParameters) -> bool:

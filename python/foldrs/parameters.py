@@ -481,10 +481,6 @@ class AlternativeParameters:
     agree are one."""
     same_crease: float = 0.05
     """Area between two creases, as a share of the garment's area, up to which they agree."""
-    sharing: float = 1 / 3
-    """Power of a template's share of its kind's prior probability that counts; 1 divides it among the templates,
-    with 0 the cheapest explanation wins. The evidence is surer than it should be, and so is the prior beside it
-    (`nats`)."""
     temperature: float = 0.03
     """Difference of matching cost at which an explanation is 1/e times as probable."""
     most_folds: int = 3

@@ -139,7 +139,6 @@ def fit(
         explanations = [one.explanation for one in fits]
         stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
-        alternatives = replace(parameters.alternatives, sharing=0.0)
         grasp = replace(parameters.grasp, snap_corner=parameters.fitting.snap_corner)
     else:
         edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
@@ -149,9 +148,8 @@ def fit(
         explanations = fit_jointly(seen, chosen, px_per_cm, edges, folds, parameters)
         clock.lap("matching")
         temperature = parameters.alternatives.nats
-        alternatives = parameters.alternatives
         grasp = parameters.grasp
-    best = distinct(explanations, chosen, temperature, alternatives)
+    best = distinct(explanations, chosen, temperature, parameters.alternatives)
     if not best:
         raise NoHypothesisError(
             "no fold of any template could be compared with the outline: "
