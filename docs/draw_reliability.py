@@ -1,4 +1,6 @@
-"""Draw the reliability diagram of the documentation: python docs/draw_reliability.py EVALUATION.json [PICTURE]
+"""Draw the reliability diagram of the documentation.
+
+    python docs/draw_reliability.py EVALUATION.json [PICTURE]
 
 EVALUATION.json is what ``foldrs evaluate SCENES --out FOLDER`` writes.
 """

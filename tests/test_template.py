@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foldrs.errors import FoldrsError, TemplateError
+from foldrs.pipeline import choose_templates
 from foldrs.template import Template, builtin_templates, load_template, save_template
 from foldrs.template_plot import draw_template, save_template_picture
 
@@ -47,8 +48,10 @@ def builtin(request) -> Template:
 
 
 class TestBuiltin:
-    def test_one_template_of_every_kind(self):
-        assert sorted(template.garment_type for template in builtin_templates()) == sorted(LANDMARKS)
+    def test_there_are_templates_of_every_kind_the_usual_one_first(self):
+        assert {template.garment_type for template in builtin_templates()} == set(LANDMARKS)
+        for kind in LANDMARKS:
+            assert builtin_templates(kind)[0].name == kind
 
     def test_landmarks_and_their_order(self, builtin):
         assert list(builtin.landmarks) == LANDMARKS[builtin.garment_type].split()
@@ -86,7 +89,11 @@ class TestBuiltin:
         assert 35 < math.sqrt(builtin.area) < 75
 
     def test_chosen_by_kind(self):
-        assert [template.garment_type for template in builtin_templates("skirt")] == ["skirt"]
+        assert {template.garment_type for template in builtin_templates("skirt")} == {"skirt"}
+
+    def test_every_kind_competes_with_one_template_where_the_kind_is_not_known(self):
+        assert [template.name for template in choose_templates(None, None)] == sorted(LANDMARKS)
+        assert len(choose_templates(None, "skirt")) > 1
 
     def test_unknown_kind_names_the_known_ones(self):
         with pytest.raises(TemplateError, match="'sock'") as caught:

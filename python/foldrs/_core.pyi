@@ -387,9 +387,9 @@ def fit_known(
 ) -> list[JointExplanation]:
     """Fit a template jointly with its crease from folds known beforehand; the best evidence first.
 
-    Every fold is an axis on the template, the kept part on its left, the crease on the seen outline, the cloth
-    on its left (from x towards y), and whether the garment shows its other face. If one of them ends better
-    than what `fit_jointly` found, the search has missed it.
+    Every fold is an axis on the template, the kept part on its left, the crease on the seen outline, the
+    cloth on its left (from x towards y), and whether the garment shows its other face. If one of them ends
+    better than what `fit_jointly` found, the search has missed it.
     """
 
 @final

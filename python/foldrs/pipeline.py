@@ -209,9 +209,13 @@ def result_of(
 
 
 def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:
-    """Choose the templates that compete: the given or built-in ones, of one kind if a kind is given."""
+    """Choose the templates that compete: the given or built-in ones, of one kind if a kind is given.
+
+    Where all built-in kinds compete, each does with its usual template: none is freer than another.
+    """
     if templates is None:
-        return list(builtin_templates(garment_type))
+        usual = {template.garment_type: template for template in reversed(builtin_templates())}
+        return list(usual.values())[::-1] if garment_type is None else list(builtin_templates(garment_type))
     loaded = [t if isinstance(t, Template) else load_template(t) for t in templates]
     chosen = [t for t in loaded if garment_type is None or t.garment_type == garment_type]
     if not chosen:

@@ -103,8 +103,8 @@ def synth_command(
 ) -> None:
     """Draw scenes of folded garments with their ground truth.
 
-    Every scene is another garment of its kind, folded and laid on a table of its own; the kinds take turns,
-    and so do the garments of a file.
+    Every scene is another garment of its kind, folded and laid on a table of its own; the templates take
+    turns, and so do the garments of a file.
     """
     from rich.console import Console
     from rich.progress import Progress

@@ -236,7 +236,7 @@ def save_template(template: Template, path: str | os.PathLike[str]) -> None:
 
 
 def builtin_templates(garment_type: str | None = None) -> tuple[Template, ...]:
-    """Return the templates that come with the package, sorted by file name.
+    """Return the templates that come with the package, sorted by name: the usual one of a kind first.
 
     Parameters
     ----------
@@ -262,7 +262,8 @@ def builtin_templates(garment_type: str | None = None) -> tuple[Template, ...]:
 def _all_builtin_templates() -> tuple[Template, ...]:
     folder = resources.files("foldrs").joinpath("templates")
     files = {Path(file.name): file for file in folder.iterdir() if file.name.endswith(".json")}
-    return tuple(_parse(files[path].read_text(encoding="utf-8"), name=path.stem) for path in sorted(files))
+    by_name = sorted(files, key=lambda path: path.stem)
+    return tuple(_parse(files[path].read_text(encoding="utf-8"), name=path.stem) for path in by_name)
 
 
 def _parse(text: str, *, name: str) -> Template:

@@ -204,7 +204,9 @@ pub struct FitParameters {
     pub flap: f64,
     /// Distance of the seen outline from the model's edges to be expected: wavy hems, soft cloth.
     pub noise: f64,
-    /// Spread of how far an edge bulges in its middle, as a share of its length: hems and collars are curved.
+    /// Spread of how far an edge bulges in its middle, as a share of the geometric mean of its length and the square root
+    /// of the area: hems and collars are curved, long seams not as much more. At twice as much trousers folded leg over
+    /// leg are as likely upside down.
     pub bow: f64,
     /// Distances beyond this multiple of the noise count less and less.
     pub tail: f64,
@@ -264,7 +266,7 @@ impl Default for FitParameters {
             further_fold: 4.0,
             flap: 2.0,
             noise: 0.6,
-            bow: 0.02,
+            bow: 0.01,
             tail: 3.0,
             correlation: 5.0,
             against: 6.0,

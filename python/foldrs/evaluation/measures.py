@@ -11,7 +11,7 @@ MCD                  decrease of the matching cost from the original to the fitt
 landmarks            error of the landmarks that truly lie on the outline
 pair                 the first grasp pair is truly accessible, both points within the grasp margin; asked for
                      only where two landmarks or more are accessible
-missed               a fit that starts from the truth ends better than anything that was found (asked for only)
+missed               a fit from the truth ends better than anything that was found; only if asked for
 unfolded             overlap of the predicted and the true unfolded outline in the picture; which part was
                      turned over cannot be told, so its mirror image over the crease is as good
 folds                the number of folds is right
@@ -95,7 +95,7 @@ class SceneMeasures:
     unfolded_iou: float = 0.0
     creases_met: tuple[bool, ...] = ()
     chances: tuple[tuple[float, bool], ...] = ()
-    """Of every alternative its probability, and whether it is the right one: the first whose axis is right."""
+    """Of every alternative its probability, and whether it is the right one, the first with a right axis."""
     missed_nats: float | None = None
     """How much better a start from the truth ends than what the search found, see
     :mod:`~foldrs.evaluation.search`; None unless asked for."""

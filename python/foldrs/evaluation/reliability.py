@@ -1,4 +1,4 @@
-"""Whether probabilities mean what they say: of all explanations called 70 % likely, about 70 % should be right."""
+"""Whether probabilities mean what they say: of what is called 70 % likely, about 70 % should be right."""
 
 from __future__ import annotations
 

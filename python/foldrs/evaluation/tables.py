@@ -105,9 +105,7 @@ def summary(rows: Sequence[SceneMeasures]) -> Summary:
         unfolded_iou=_mean([row.unfolded_iou for row in rows]),
         crease_rate=_rate(met for row in rows for met in row.creases_met),
         folds_rate=_rate(row.folds_found == row.folds for row in rows),
-        missed_rate=_rate(
-            None if row.missed_nats is None else row.missed_nats > SAME_NATS for row in rows
-        ),
+        missed_rate=_rate(None if row.missed_nats is None else row.missed_nats > SAME_NATS for row in rows),
         seconds=float(np.median(seconds)) if seconds else math.nan,
     )
 

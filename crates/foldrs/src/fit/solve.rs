@@ -221,7 +221,10 @@ impl<'a> Problem<'a> {
         let sides = start.sides.iter().map(turned).collect::<Option<_>>()?;
         let corners = &template.corners;
         let length = |i: usize| (corners[(i + 1) % corners.len()] - corners[i]).norm() * start.scale;
-        let bow_spreads = (0..corners.len()).map(|i| parameters.bow * length(i)).collect();
+        let unit = template.area.sqrt() * start.scale;
+        let bow_spreads = (0..corners.len())
+            .map(|i| parameters.bow * (length(i) * unit).sqrt())
+            .collect();
         Some(Self {
             field,
             template,
