@@ -262,7 +262,7 @@ impl Default for FitParameters {
             skew: 0.03,
             earlier_shift: 1.0,
             earlier_skew: 0.1,
-            first_fold: 11.0,
+            first_fold: 14.0,
             further_fold: 4.0,
             flap: 2.0,
             noise: 0.6,
