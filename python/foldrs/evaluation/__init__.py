@@ -4,8 +4,9 @@ One module a step: :mod:`~foldrs.evaluation.scenes` (ground truth), :mod:`~foldr
 (templates folded virtually), :mod:`~foldrs.evaluation.kinds` (landmark order and symmetries of a kind),
 :mod:`~foldrs.evaluation.landmarked` and :mod:`~foldrs.evaluation.axes` (true axes carried onto templates),
 :mod:`~foldrs.evaluation.geometry` (overlaps), :mod:`~foldrs.evaluation.measures` (one scene),
-:mod:`~foldrs.evaluation.run` (the protocols), :mod:`~foldrs.evaluation.tables` (means over many) and
-:mod:`~foldrs.evaluation.report` (how they are shown and written).
+:mod:`~foldrs.evaluation.search` (what the search misses), :mod:`~foldrs.evaluation.run` (the protocols),
+:mod:`~foldrs.evaluation.tables` (means over many), :mod:`~foldrs.evaluation.reliability` (whether
+probabilities mean what they say) and :mod:`~foldrs.evaluation.report` (how they are shown and written).
 
 The geometry is shapely's, not the compiled module's: a yardstick shares no code with what it measures.
 """
