@@ -16,6 +16,7 @@ mod field;
 mod flap;
 mod layers;
 mod nearest;
+mod normal;
 mod rim;
 mod shape;
 mod solve;
