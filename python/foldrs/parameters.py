@@ -220,8 +220,8 @@ class JointFitParameters:
     """Radians: as `skew`, likewise."""
     first_fold: float = 14.0
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
-    folded, a fold near a hem still takes up what the template's shape does not explain. Nineteen in
-    twenty flat garments gain less, nine in ten folded ones more."""
+    folded, a fold near a hem still takes up what the template's shape does not explain. Nine in ten
+    outlines of flat garments gain less, nine in ten folded ones more."""
     further_fold: float = 4.0
     """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded
     once are taken for folded twice as the other way round."""
