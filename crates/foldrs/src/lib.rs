@@ -23,6 +23,13 @@ pub mod stack;
 mod parallel;
 mod wide;
 
+// The outlines of the integration tests, for the tests of what is not public.
+#[cfg(test)]
+extern crate self as foldrs;
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 pub use error::{FoldError, OutlineError};
 pub use fold::{fold, Folded, Layer};
 pub use matching::{match_folded, Candidate, Matching, Seen};

@@ -4,13 +4,20 @@
 //! segment are turned, so that one sleeve or one leg can be folded; an axis that spans both legs turns both.
 
 mod cut;
+mod grid;
+mod meeting;
+mod near;
 mod overlay;
+mod rings;
+mod stops;
+mod union;
+mod walks;
 
 use crate::crease::{Axis, Chord};
 use crate::outline::signed_area;
 use crate::{FoldError, Outline, Point, Segment};
 use cut::cut;
-use overlay::unite;
+use grid::Grid;
 
 /// A chord is creased if at least this share of it lies on the axis segment.
 pub const COVERED: f64 = 0.5;
@@ -185,8 +192,12 @@ pub fn fold(outline: &Outline, axis: &Segment) -> Result<Folded, FoldError> {
     if turned.is_nan() || turned <= smallest {
         return Err(FoldError::EmptyFlap);
     }
-    let (union, holes, apart) =
-        unite(&kept, &flap, outline.signed_area() > 0.0).ok_or(FoldError::EmptyFlap)?;
+    let positive = outline.signed_area() > 0.0;
+    let grid = Grid::around(kept.iter().chain(&flap).flat_map(|p| &p.points));
+    let (union, holes, apart) = match union::unite(&kept, &flap, positive, &grid) {
+        Some((union, holes)) => (union, holes, 0),
+        None => overlay::unite(&kept, &flap, positive, &grid).ok_or(FoldError::EmptyFlap)?,
+    };
     let creases = chords
         .iter()
         .map(|c| [axis.at(c.ends[0].position), axis.at(c.ends[1].position)])

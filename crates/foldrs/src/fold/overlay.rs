@@ -1,5 +1,6 @@
 //! The union of kept part and flap, each edge telling where it comes from: the seam to the overlay library.
 
+use super::grid::Grid;
 use super::{Layer, Piece, Source};
 use crate::outline::{foot, signed_area};
 use crate::{Point, Segment};
@@ -9,7 +10,6 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::ShapeType;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::Precision;
-use i_overlay::i_float::int::point::IntPoint;
 use i_overlay::segm::boolean::ShapeCountBoolean;
 
 /// Index of the input edge an edge of the union comes from.
@@ -27,9 +27,13 @@ impl OverlayEdgeData for EdgeId {
 
 /// Outline of the union of all pieces, with the number of its holes and of polygons apart.
 ///
-/// The overlay works on an integer grid: vertices move by about 1e-9 of the extent.
-pub(super) fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(Piece, usize, usize)> {
-    let grid = Grid::around(kept.iter().chain(flap).flat_map(|p| &p.points));
+/// The overlay works on the integer grid: vertices move by about 1e-9 of the extent.
+pub(super) fn unite(
+    kept: &[Piece],
+    flap: &[Piece],
+    positive: bool,
+    grid: &Grid,
+) -> Option<(Piece, usize, usize)> {
     let mut overlay = EdgeOverlay::<i32, EdgeId>::new(256);
     // Crossings are rounded to the grid, which may make new ones: the coarsest rounding, still some 1e-9 of the extent
     // at first, ends that soonest. With the finest a tangle of thirty edges can take seconds.
@@ -100,36 +104,4 @@ pub(super) fn unite(kept: &[Piece], flap: &[Piece], positive: bool) -> Option<(P
 fn crease_arc(edge: &Segment, source: &Source, a: &Point, b: &Point) -> [f64; 2] {
     let end = |p: &Point| source.arc[usize::from(foot(edge, p) > 0.5)];
     [end(a), end(b)]
-}
-
-/// An integer grid of some 2^30 steps over the pieces.
-struct Grid {
-    centre: Point,
-    scale: f64,
-}
-
-impl Grid {
-    fn around<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
-        let (mut low, mut high) = (Point::new(f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN));
-        for p in points {
-            low = Point::new(low.x.min(p.x), low.y.min(p.y));
-            high = Point::new(high.x.max(p.x), high.y.max(p.y));
-        }
-        let half = ((high.x - low.x).max(high.y - low.y) / 2.0).max(f64::MIN_POSITIVE);
-        Self {
-            centre: nalgebra::center(&low, &high),
-            scale: f64::from(1 << 29) / half,
-        }
-    }
-
-    fn snap(&self, p: &Point) -> IntPoint<i32> {
-        let v = (p - self.centre) * self.scale;
-        // As `f64::round`, which is a call into the mathematics library on processors of the oldest kind.
-        let rounded = |x: f64| (x + 0.5_f64.copysign(x)) as i32;
-        IntPoint::new(rounded(v.x), rounded(v.y))
-    }
-
-    fn back(&self, p: &IntPoint<i32>) -> Point {
-        self.centre + nalgebra::Vector2::new(f64::from(p.x), f64::from(p.y)) / self.scale
-    }
 }
