@@ -212,6 +212,75 @@ def test_garment_cut_off_by_the_border() -> None:
         find_outline(filled(PULLOVER + np.array([0, 180])))
 
 
+def in_a_room(
+    picture: np.ndarray,
+    shape: np.ndarray,
+    corners: list[list[float]],
+    *,
+    floor: tuple[int, int, int] = (70, 60, 55),
+) -> tuple[np.ndarray, np.ndarray]:
+    """A photograph as a table top in a room with a wall, a cable and a box; the garment's outline there."""
+    rng = np.random.default_rng(3)
+    room = np.empty((HEIGHT, WIDTH, 3), np.float32)
+    room[:] = floor
+    room[:70] = (205, 200, 190)
+    room += (6 * noise(rng, 3))[..., None]
+    frame = np.array([[0, 0], [WIDTH, 0], [WIDTH, HEIGHT], [0, HEIGHT]], np.float32)
+    onto = cv2.getPerspectiveTransform(frame, np.array(corners, np.float32))
+    top = cv2.warpPerspective(picture, onto, (WIDTH, HEIGHT), flags=cv2.INTER_AREA)
+    cover = cv2.warpPerspective(np.ones((HEIGHT, WIDTH), np.float32), onto, (WIDTH, HEIGHT))
+    room = np.where(cover[..., None] > 0.5, top, room)
+    cv2.rectangle(room, (560, 40), (639, 150), (60, 120, 60), cv2.FILLED)
+    cv2.polylines(room, [np.array([[0, 120], [60, 90], [130, 95]])], False, (20, 20, 20), 3, cv2.LINE_AA)
+    room += rng.normal(0, 2, room.shape)
+    outline = cv2.perspectiveTransform(shape.reshape(1, -1, 2), onto)[0]
+    return np.clip(cv2.GaussianBlur(room, (0, 0), 0.6), 0, 255).astype(np.uint8), outline
+
+
+TABLES = {  # corners of the table top, px
+    "cut by three sides of the picture": [[-40, 60], [700, 40], [690, 520], [-60, 530]],
+    "cut by one side": [[70, 80], [560, 60], [620, 520], [30, 530]],
+    "seen whole": [[80, 70], [560, 50], [600, 440], [50, 450]],
+}
+CLOTHS = {
+    "plain": {},
+    "red on wood": PHOTOGRAPHS["red on wood"][0],
+    "a dark motif": {"pattern": "motif", "cloth": (90, 110, 190), "print_colour": (240, 230, 40)},
+}
+
+
+@pytest.mark.parametrize("cloth", CLOTHS)
+@pytest.mark.parametrize("table", TABLES)
+def test_a_table_need_not_fill_the_picture(table: str, cloth: str) -> None:
+    picture, outline = in_a_room(photograph(**CLOTHS[cloth]), PULLOVER, TABLES[table])
+    assert iou(find_outline(picture).points, outline) > 0.95
+
+
+def test_two_garments_on_a_table_in_a_room_are_not_chosen_between() -> None:
+    squares = [np.array([[x, 120], [x + 170, 120], [x + 170, 320], [x, 320]]) for x in (90, 380)]
+    one, other = (photograph(shape=square) for square in squares)
+    both = np.concatenate([one[:, :320], other[:, 320:]], axis=1)
+    for corners in TABLES.values():
+        picture, _ = in_a_room(both, PULLOVER, corners)
+        with pytest.raises(SeveralGarmentsError, match="several"):
+            find_outline(picture)
+
+
+def test_a_print_on_cloth_cut_by_the_border_is_no_garment() -> None:
+    low = PULLOVER + np.array([0, 180])
+    picture = photograph(shape=low)
+    cv2.circle(picture, (320, 400), 45, (240, 220, 60), cv2.FILLED)
+    with pytest.raises(GarmentCutOffError, match="border"):
+        find_outline(picture)
+
+
+def test_a_large_print_on_a_large_towel_is_no_garment() -> None:
+    towel = np.array([[110, 60], [540, 60], [540, 420], [110, 420]], float)
+    picture = photograph(shape=towel)
+    cv2.circle(picture, (320, 240), 36, (240, 220, 60), cv2.FILLED)
+    assert iou(find_outline(picture).points, towel) > 0.97
+
+
 def test_garment_too_small() -> None:
     mask = np.zeros((200, 200), bool)
     mask[90:110, 90:110] = True

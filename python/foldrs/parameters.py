@@ -61,6 +61,28 @@ class OutlineParameters:
     """Parts below this share of the largest are specks and are dropped."""
     like_size_share: float = 0.5
     """A second object of this share of the largest makes it unclear which is meant."""
+    usual_gradient: float = 1.5
+    """Change of colour from pixel to pixel that is no barrier, in medians of the picture's: grain, weave."""
+    lowest_barrier: float = 5.0
+    """Least change of colour on every way from the border for something to be an object, CIELAB units."""
+    enclosed_opening: float = 2.5
+    """Radius up to which threads are taken off enclosed objects, coarse px: rims of things the border cuts,
+    not sleeves."""
+    least_enclosed: float = 0.008
+    """Share of the picture below which an enclosed object is a speck."""
+    enclosed_contrast: float = 3.0
+    """Change of colour across the rim of an enclosed object that four fifths of it show, CIELAB units a
+    coarse px: knots and shadows have soft rims."""
+    enclosed_ring: float = 26.0
+    """Distance from an enclosed object up to which the table is learnt, coarse px."""
+    whole_table_share: float = 0.3
+    """Share of the picture from which a quadrilateral may be a table seen whole; garments are smaller."""
+    quadrilateral: float = 0.82
+    """Overlap with a quadrilateral from which an object is one: things stand on a table's edges."""
+    least_borne: float = 0.04
+    """Share of a table that a thing upon it covers at least: a motif on a towel is smaller."""
+    same_table: float = 8.0
+    """Difference of colour up to which two objects lie on the same table, CIELAB units."""
     cut_rounds: int = 3
     """Rounds of relearning colours and cutting (GrabCut): two leave pale cloth around a print out."""
     cut_margin: float = 12.0

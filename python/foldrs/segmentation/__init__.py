@@ -4,6 +4,8 @@ The paper thresholds colour edges and fills them. Edges of a strong print, a gra
 strong as those of the cloth, so colours are compared with those of the table instead, in four steps from
 coarse to fine: what deviates from the table (`table`), a graph cut over colours and edges (`cut`), and
 twice the outline moved onto the rim (`rim`), in the coarse and then in the fine picture.
+
+Where the picture shows more than the table, the first step is another: what the table encloses (`enclosed`).
 """
 
 from __future__ import annotations
@@ -13,16 +15,20 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ..errors import GarmentTooSmallError, NoGarmentError
+from ..errors import GarmentTooSmallError, NoGarmentError, SeveralGarmentsError
 from ..image import Mask, RgbImage, as_rgb
 from ..parameters import OutlineParameters
 from .cut import cut
-from .masks import largest_part, resized, single_object, tidied
+from .enclosed import Enclosed, enclosed_object, table_around
+from .masks import largest_part, overlap, part_over, resized, single_object, tidied, touches_border
 from .rim import snap_to_rim
 from .table import FloatImage, tell_cloth
 
 __all__ = ["refined", "segment"]
 
+_SAME = 0.5  # overlap (IoU) from which a table seen whole is what stands out
+_MOSTLY = 0.5  # share of an object within another that is a part of it ...
+_SMALLER = 0.75  # ... and at most so much of it
 _LEAST_SIDE = 24  # px of the coarse picture: below, a frame and a garment do not both fit
 
 
@@ -32,7 +38,7 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
     Parameters
     ----------
     rgb : (h, w, 3) uint8
-        One garment on a table that shows along most of the picture's border.
+        One garment on a table that shows all around it.
     parameters : OutlineParameters, optional
 
     Returns
@@ -62,14 +68,73 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
         raise NoGarmentError("The picture is all one colour: no garment is seen in it.")
     coarse_lab = _lab(coarse)
     smooth = np.asarray(cv2.GaussianBlur(coarse_lab, (0, 0), p.smoothing), np.float32)
-    standing_out, seen = tell_cloth(smooth, p)
+    return refined(rgb, _roughly(smooth, p), p)
+
+
+def _roughly(lab: FloatImage, parameters: OutlineParameters) -> Mask:
+    """Tell the cloth, to within a few px, from a table that fills the picture, or else from one within it."""
+    p = parameters
+    try:
+        mask = _on_table_all_over(lab, p)
+    except (NoGarmentError, SeveralGarmentsError):
+        within = _on_table_within(lab, None, p)
+        if within is None:
+            raise
+        return within
+    # What the border cuts may be anything, and so large an object a table seen whole.
+    if touches_border(mask) or mask.mean() >= p.whole_table_share:
+        within = _on_table_within(lab, mask, p)
+        return mask if within is None else within
+    return mask
+
+
+def _on_table_all_over(lab: FloatImage, parameters: OutlineParameters) -> Mask:
+    """Tell the cloth from a table that shows along most of the picture's border."""
+    p = parameters
+    standing_out, seen = tell_cloth(lab, p)
     if not standing_out.any() or np.median(seen.deviation[standing_out]) < p.least_surprise:
         raise NoGarmentError(
             "Nothing stands out from the table: use a table of another colour or more light, or pass a mask."
         )
     guess = single_object(standing_out, p, p.merge_gap)
     _check_extent(guess, p)
-    return refined(rgb, single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap), p)
+    return single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap)
+
+
+def _on_table_within(
+    lab: FloatImage, standing_out: Mask | None, parameters: OutlineParameters
+) -> Mask | None:
+    """Tell the cloth from a table somewhere in the picture.
+
+    `standing_out` is what stands out from the border of the picture. None where nothing is enclosed, or
+    only a part of that.
+    """
+    p = parameters
+    try:
+        found = enclosed_object(lab, p)
+    except SeveralGarmentsError:
+        if standing_out is not None and standing_out.mean() < p.whole_table_share:
+            return None  # prints on a garment that the border touches
+        raise
+    if found is None:
+        return None
+    cloth, table = found
+    if standing_out is not None and _is_part(cloth.mask, standing_out, table, p):
+        return None
+    improved = tidied(cut(table_around(lab, cloth.mask, p), cloth.mask, p), p.opening)
+    return part_over(improved, cloth.mask)
+
+
+def _is_part(mask: Mask, standing_out: Mask, table: Enclosed | None, parameters: OutlineParameters) -> bool:
+    """Whether an enclosed object is but a part, a print, of what stands out from the picture's border."""
+    large = standing_out.mean() >= parameters.whole_table_share
+    if touches_border(standing_out) and (large or table is not None):
+        return False
+    if table is not None:
+        return overlap(table.mask, standing_out) < _SAME
+    shared = int(np.count_nonzero(mask & standing_out))
+    mostly = shared > _MOSTLY * np.count_nonzero(mask)
+    return bool(mostly and shared < _SMALLER * np.count_nonzero(standing_out))
 
 
 def refined(rgb: RgbImage, mask: Mask, parameters: OutlineParameters | None = None) -> Mask:

@@ -32,6 +32,12 @@ def filled(mask: Mask) -> Mask:
     return full > 0
 
 
+def hull(mask: Mask) -> npt.NDArray[np.int32]:
+    """Corners (n, 1, 2), x and y, of the convex hull of a mask that is not empty."""
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    return np.asarray(cv2.convexHull(np.concatenate(contours)), np.int32)
+
+
 def tidied(mask: Mask, radius: float) -> Mask:
     """`mask` with gaps of `radius` closed, holes filled and threads of `radius` removed."""
     whole = filled(closed(mask, radius)).astype(np.uint8)
@@ -44,6 +50,13 @@ def largest_part(mask: Mask) -> Mask:
     if areas.size == 0:
         return mask
     return np.equal(labels, 1 + int(np.argmax(areas)))
+
+
+def part_over(mask: Mask, other: Mask) -> Mask:
+    """Keep the connected part of `mask` that covers most of `other`; `other` itself if none does."""
+    labels, areas = _parts(mask)
+    covered = np.bincount(labels[other], minlength=len(areas) + 1)[1:]
+    return np.equal(labels, 1 + int(np.argmax(covered))) if covered.any() else other
 
 
 def single_object(mask: Mask, parameters: OutlineParameters, merge_gap: float) -> Mask:
@@ -80,6 +93,16 @@ def refuse_like_sizes(areas: npt.ArrayLike, parameters: OutlineParameters) -> No
             f"There are several objects of like size ({ranked[0]:.0f} and {ranked[1]:.0f} pixels): "
             "leave one garment in the picture, or pass a mask of the one that is meant."
         )
+
+
+def overlap(one: Mask, other: Mask) -> float:
+    """Intersection over union; 0 of nothing."""
+    return int(np.count_nonzero(one & other)) / max(1, int(np.count_nonzero(one | other)))
+
+
+def touches_border(mask: Mask) -> bool:
+    """Whether any of `mask` lies on the picture's border."""
+    return bool(mask[[0, -1]].any() or mask[:, [0, -1]].any())
 
 
 def resized(mask: Mask, shape: tuple[int, int]) -> Mask:
