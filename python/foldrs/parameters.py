@@ -240,7 +240,7 @@ class JointFitParameters:
     """As `shift`, of the crease of a fold that others follow: they leave less of it to be seen."""
     earlier_skew: float = 0.1
     """Radians: as `skew`, likewise."""
-    first_fold: float = 14.0
+    first_fold: float = 16.0
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
     folded, a fold near a hem still takes up what the template's shape does not explain. Nine in ten
     outlines of flat garments gain less, nine in ten folded ones more."""
@@ -250,7 +250,7 @@ class JointFitParameters:
     flap: float = 2.0
     """Power of the share of the cloth a fold turns over that its prior density grows with: who folds a
     garment turns over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by
-    itself. For the number of folds only."""
+    itself."""
     noise: float = 0.6
     """Expected distance of the seen outline from the model's edges: wavy hems, soft cloth."""
     bow: float = 0.01

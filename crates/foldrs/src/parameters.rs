@@ -199,8 +199,7 @@ pub struct FitParameters {
     /// Nats each further fold must gain: most of that has then been taken up.
     pub further_fold: f64,
     /// Power of the share of the cloth a fold turns over that its prior density grows with: who folds a garment turns
-    /// over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by itself. For the number of
-    /// folds only.
+    /// over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by itself.
     pub flap: f64,
     /// Distance of the seen outline from the model's edges to be expected: wavy hems, soft cloth.
     pub noise: f64,
@@ -262,7 +261,7 @@ impl Default for FitParameters {
             skew: 0.03,
             earlier_shift: 1.0,
             earlier_skew: 0.1,
-            first_fold: 14.0,
+            first_fold: 16.0,
             further_fold: 4.0,
             flap: 2.0,
             noise: 0.6,

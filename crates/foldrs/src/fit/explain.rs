@@ -34,17 +34,6 @@ pub struct JointExplanation {
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub rim: RimEvidence,
-    /// How much less likely flaps are of the size of its own than ones of half the garment, in nats; tells the number of
-    /// folds only.
-    pub flaps: f64,
-}
-
-impl JointExplanation {
-    /// What its number of folds is judged by: minus log evidence of the outline alone, for that of the picture is bounded
-    /// and says nothing of a garment unfolded, and how usual the sizes of its flaps are.
-    fn outline_surprise(&self) -> f64 {
-        self.surprise + self.rim.gain + self.flaps
-    }
 }
 
 /// How many folds to undo.
@@ -66,12 +55,13 @@ pub struct JointFits {
 }
 
 impl JointFits {
-    /// Surprise at the outline of the best explanation by so many folds; infinite if there is none.
+    /// Surprise of the best explanation by so many folds; infinite if there is none.
     pub fn surprise(&self, folds: usize) -> f64 {
-        let explanations = self.by_folds.get(folds).into_iter().flatten();
-        explanations
-            .map(JointExplanation::outline_surprise)
-            .fold(f64::INFINITY, f64::min)
+        let best = self
+            .by_folds
+            .get(folds)
+            .and_then(|explanations| explanations.first());
+        best.map_or(f64::INFINITY, |best| best.surprise)
     }
 
     /// The number of folds that explain the outline best; further ones explain no more than their freedom costs.
@@ -282,7 +272,7 @@ impl<'a> Search<'a> {
         stack::promising(&self.field, &self.templates, more, &self.parameters)
     }
 
-    /// Fits as explanations by so many folds.
+    /// Fits as explanations by so many folds, the best evidence first.
     fn told(&self, fits: &[(usize, JointFit)], folds: usize) -> Vec<JointExplanation> {
         // Which side is the crease is one more thing to be told; of an earlier fold, also where it was seen.
         let (sides, p) = ((self.sides.len() as f64).ln(), &self.parameters);
@@ -296,12 +286,13 @@ impl<'a> Search<'a> {
             let told = explanation(*t, &self.templates[*t], fit, self.working, self.scale.is_some())?;
             let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
             Some(JointExplanation {
-                surprise: told.surprise + choice,
-                flaps: flap::surprise(&shares, p.flap),
+                surprise: told.surprise + choice + flap::surprise(&shares, p.flap),
                 ..told
             })
         };
-        fits.iter().filter_map(told).collect()
+        let mut told: Vec<JointExplanation> = fits.iter().filter_map(told).collect();
+        told.sort_by(|a, b| a.surprise.total_cmp(&b.surprise));
+        told
     }
 }
 
@@ -360,6 +351,5 @@ fn explanation(
         creases,
         surprise: fit.surprise,
         rim: fit.rim,
-        flaps: 0.0,
     })
 }
