@@ -56,6 +56,7 @@ pub struct JointFits {
 
 impl JointFits {
     /// Surprise of the best explanation by so many folds; infinite if there is none.
+    #[must_use]
     pub fn surprise(&self, folds: usize) -> f64 {
         let best = self
             .by_folds
