@@ -68,8 +68,9 @@ def test_help_lists_every_command() -> None:
 
 def test_the_installed_script_runs() -> None:
     script = Path(sys.executable).with_name("foldrs")
-    told = subprocess.run([script, "--version"], capture_output=True, text=True, check=True)
-    assert __version__ in told.stdout
+    for command in ([script], [sys.executable, "-m", "foldrs"]):
+        told = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+        assert __version__ in told.stdout
 
 
 def test_fit_prints_one_line_and_writes_nothing_without_out(photos: Path, tmp_path: Path) -> None:

@@ -287,6 +287,9 @@ class JointFitParameters:
     """At most this many claims a template are tried, the most confident first."""
     refined: int = 40
     """Starts a template that are fitted to the end, the most promising first."""
+    retried: int = 12
+    """So many of the best fits of all templates are started once more from near where they ended: some end
+    better."""
     alike: float = 1.5
     """Of starts that come to lie nearer to each other than this at every corner, only the best is fitted to
     the end: copies of one explanation would leave no room for others. Template units (cm)."""

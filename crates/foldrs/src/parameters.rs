@@ -237,6 +237,8 @@ pub struct FitParameters {
     pub starts: usize,
     /// Starts a template that are fitted to the end, the most promising first.
     pub refined: usize,
+    /// So many of the best fits of all templates are started once more from near where they ended: some end better.
+    pub retried: usize,
     /// Of starts that come to lie nearer to each other than this at every corner, only the best is fitted to the end.
     pub alike: f64,
 }
@@ -281,6 +283,7 @@ impl Default for FitParameters {
             directions: 12,
             starts: 900,
             refined: 40,
+            retried: 12,
             alike: 1.5,
         }
     }

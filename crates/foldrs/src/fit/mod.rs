@@ -65,10 +65,22 @@ fn fit_starts(
     coarse.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
     let coarse = promising(coarse, templates.len(), parameters);
     let mut fine: Vec<(usize, JointFit)> = parallel::map(&coarse, |(t, fit)| {
-        let fit = solve::fine(field, &templates[*t], fit, parameters)?;
+        solve::fine(field, &templates[*t], fit, parameters).map(|fit| (*t, fit))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    let ranked: Vec<(usize, (usize, JointFit))> = fine.into_iter().enumerate().collect();
+    let mut fine: Vec<(usize, JointFit)> = parallel::map(&ranked, |(rank, (t, fit))| {
+        let again = if *rank < parameters.retried {
+            solve::retried(field, &templates[*t], fit, parameters)
+        } else {
+            fit.clone()
+        };
         let fit = match rims {
-            Some(rims) => solve::with_picture(field, &templates[*t], &fit, rims, parameters)?,
-            None => fit,
+            Some(rims) => solve::with_picture(field, &templates[*t], &again, rims, parameters)?,
+            None => again,
         };
         Some((*t, fit))
     })

@@ -123,8 +123,19 @@ pub(super) fn coarse(
     start: &Start,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
+    coarse_from(field, template, start, None, parameters)
+}
+
+/// The same from a state of its own instead of the start's.
+fn coarse_from(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    start: &Start,
+    state: Option<State>,
+    parameters: &FitParameters,
+) -> Option<JointFit> {
     let problem = Problem::new(field, template, start.clone(), parameters)?;
-    let mut state = problem.initial();
+    let mut state = state.unwrap_or_else(|| problem.initial());
     for _ in 0..parameters.coarse_iterations {
         state = problem.step(&state, parameters.coarse_noise * parameters.noise)?;
     }
@@ -162,6 +173,28 @@ pub(super) fn fine(
     }
     let (evidence, state) = best?;
     problem.told(state, &evidence)
+}
+
+/// The fit, or what another start near by ends at if that is better: a coarse fit once more from where it ended, with
+/// its corners as they are and with those of the template.
+pub(super) fn retried(
+    field: &SeenField,
+    template: &FlexibleTemplate,
+    fit: &JointFit,
+    parameters: &FitParameters,
+) -> JointFit {
+    let mut best = fit.clone();
+    for bent in [1.0, 0.0] {
+        let mut from = best.state.clone();
+        from.displacement *= bent;
+        from.bows.iter_mut().for_each(|bow| *bow *= bent);
+        let again = coarse_from(field, template, &best.start, Some(from), parameters)
+            .and_then(|coarse| fine(field, template, &coarse, parameters));
+        if let Some(again) = again.filter(|again| again.surprise < best.surprise) {
+            best = again;
+        }
+    }
+    best
 }
 
 /// Draws the corners onto the outline: a few more iterations with a noise small enough for the template's shape to give
