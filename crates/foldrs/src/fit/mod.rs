@@ -56,42 +56,28 @@ fn fit_starts(
     rims: Option<&Rims>,
     parameters: &FitParameters,
 ) -> Vec<(usize, JointFit)> {
-    let mut coarse: Vec<(usize, JointFit)> = parallel::map(starts, |(t, start)| {
-        solve::coarse(field, &templates[*t], start, parameters).map(|fit| (*t, fit))
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    coarse.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    let of = |t: usize| &templates[t];
+    let coarse = best_first(parallel::map(starts, |(t, start)| {
+        solve::coarse(field, of(*t), start, parameters).map(|fit| (*t, fit))
+    }));
     let coarse = promising(coarse, templates.len(), parameters);
-    let mut fine: Vec<(usize, JointFit)> = parallel::map(&coarse, |(t, fit)| {
-        solve::fine(field, &templates[*t], fit, parameters).map(|fit| (*t, fit))
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
-    let ranked: Vec<(usize, (usize, JointFit))> = fine.into_iter().enumerate().collect();
-    let mut fine: Vec<(usize, JointFit)> = parallel::map(&ranked, |(rank, (t, fit))| {
-        let again = if *rank < parameters.retried {
-            solve::retried(field, &templates[*t], fit, parameters)
-        } else {
-            fit.clone()
-        };
-        let fit = match rims {
-            Some(rims) => solve::with_picture(field, &templates[*t], &again, rims, parameters)?,
-            None => again,
-        };
-        Some((*t, fit))
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    let mut fine = best_first(parallel::map(&coarse, |(t, fit)| {
+        solve::fine(field, of(*t), fit, parameters).map(|fit| (*t, fit))
+    }));
+    let again = parallel::map(&fine[..fine.len().min(parameters.retried)], |(t, fit)| {
+        solve::retried(field, of(*t), fit, parameters)
+    });
+    for (fit, better) in fine.iter_mut().zip(again) {
+        fit.1 = better;
+    }
+    let mut fine = best_first(parallel::map(&fine, |(t, fit)| match rims {
+        Some(rims) => solve::with_picture(field, of(*t), fit, rims, parameters).map(|fit| (*t, fit)),
+        None => Some((*t, fit.clone())),
+    }));
     // Only the first few are ever shown.
     let shown: Vec<Option<JointFit>> =
         parallel::map(&fine[..fine.len().min(parameters.polished)], |(t, fit)| {
-            solve::polished(field, &templates[*t], fit, parameters)
+            solve::polished(field, of(*t), fit, parameters)
         });
     for (fit, better) in fine.iter_mut().zip(shown) {
         if let Some(better) = better {
@@ -99,6 +85,13 @@ fn fit_starts(
         }
     }
     fine
+}
+
+/// The fits that led anywhere, the best evidence first.
+fn best_first(fits: Vec<Option<(usize, JointFit)>>) -> Vec<(usize, JointFit)> {
+    let mut fits: Vec<(usize, JointFit)> = fits.into_iter().flatten().collect();
+    fits.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    fits
 }
 
 /// The best of every template, for templates are compared only when they are fitted; starts that came to lie where a
