@@ -196,6 +196,13 @@ def test_several_garments_are_not_chosen_between() -> None:
         find_outline(np.concatenate([picture[:, :320], other[:, 320:]], axis=1))
 
 
+def test_two_garments_are_not_chosen_between_for_one_being_in_the_middle() -> None:
+    picture = photograph(shape=np.array([[220, 140], [420, 140], [420, 340], [220, 340]]))
+    cv2.rectangle(picture, (20, 20), (170, 170), (150, 40, 40), cv2.FILLED)
+    with pytest.raises(SeveralGarmentsError, match="several"):
+        find_outline(picture)
+
+
 def test_a_small_thing_beside_the_garment_is_ignored() -> None:
     picture = photograph()
     cv2.circle(picture, (580, 420), 18, (20, 20, 20), cv2.FILLED)

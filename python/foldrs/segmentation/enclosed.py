@@ -31,7 +31,6 @@ _WITHIN = 0.95  # share of an object inside another that bears it ...
 _SMALLER = 0.75  # ... and of which it covers at most so much
 _MOST = 0.35  # share of an object that a print upon it hardly covers ...
 _CLEARER = 1.3  # ... with so much more contrast
-_LIKE = 0.7  # share of the prominence of another from which an object may be meant as well
 
 
 class Enclosed(NamedTuple):
@@ -180,12 +179,10 @@ def _is_print(one: Enclosed, other: Enclosed) -> bool:
 
 
 def _is_rival(other: Enclosed, best: Enclosed, lab: FloatImage, parameters: OutlineParameters) -> bool:
-    """Whether another object is as large and prominent and lies on a table of the same colour."""
+    """Whether another object is of like size and lies on a table of the same colour."""
     p = parameters
     beside = np.count_nonzero(other.mask & best.mask) < (1 - _WITHIN) * other.area
     if not beside or other.area < p.like_size_share * best.area:
-        return False
-    if _prominence(other) < _LIKE * _prominence(best):
         return False
     around = (
         lab[_widened(one.mask, p.table_margin) & ~_widened(one.mask, p.rim_gap)] for one in (best, other)
