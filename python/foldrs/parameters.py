@@ -65,7 +65,7 @@ class OutlineParameters:
     """Change of colour from pixel to pixel that is no barrier, in medians of the picture's: grain, weave."""
     lowest_barrier: float = 5.0
     """Least change of colour on every way from the border for something to be an object, CIELAB units."""
-    enclosed_opening: float = 2.5
+    enclosed_opening: float = 2.0
     """Radius up to which threads are taken off enclosed objects, coarse px: rims of things the border cuts,
     not sleeves."""
     least_enclosed: float = 0.008
