@@ -383,7 +383,6 @@ def fit_known(
     template: FlexibleTemplate,
     folds: Sequence[tuple[_Points, _Points, bool]],
     scale: float | None = None,
-    picture: tuple[NDArray[np.float32], float, NDArray[np.float32] | None] | None = None,
 ) -> list[JointExplanation]:
     """Fit a template jointly with its crease from folds known beforehand; the best evidence first.
 

@@ -169,14 +169,13 @@ pub(crate) fn fit_jointly(
 /// The joint fits of one template from axes (kept part on the left), creases (cloth on the left) and faces known
 /// beforehand; the best evidence first.
 #[pyfunction]
-#[pyo3(signature = (seen, template, folds, scale=None, picture=None))]
+#[pyo3(signature = (seen, template, folds, scale=None))]
 pub(crate) fn fit_known(
     py: Python<'_>,
     seen: &PySeen,
     template: &PyFlexibleTemplate,
     folds: Vec<(PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, f64>, bool)>,
     scale: Option<f64>,
-    picture: Option<Edges<'_>>,
 ) -> PyResult<Vec<PyJointExplanation>> {
     let known = |(axis, crease, mirrored): &(_, _, bool)| {
         Ok(KnownFold {
@@ -187,17 +186,9 @@ pub(crate) fn fit_known(
         })
     };
     let known: Vec<KnownFold> = folds.iter().map(known).collect::<PyResult<_>>()?;
-    let picture = picture.as_ref().map(prepared).transpose()?;
     let templates = std::slice::from_ref(&template.0);
     let found = crate::interrupt::run(py, || {
-        explain_from(
-            &seen.seen,
-            templates,
-            &known,
-            scale,
-            picture.as_ref(),
-            &seen.parameters,
-        )
+        explain_from(&seen.seen, templates, &known, scale, None, &seen.parameters)
     })?;
     Ok(found.into_iter().map(PyJointExplanation).collect())
 }

@@ -96,9 +96,11 @@ def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
     """Print Table 1, Table 2 and the further measures, per kind and overall, and what probabilities mean."""
     for content in text_tables(rows):
         console.print(_rich_table(content))
-    bins = reliability(rows)
-    if bins:
-        meaning = Table(title="Probabilities of all alternatives: said, and happened", title_justify="left")
+    for of, first_only in (("all alternatives", False), ("the chosen explanations", True)):
+        bins = reliability(rows, first_only=first_only)
+        if not bins:
+            continue
+        meaning = Table(title=f"Probabilities of {of}: said, and happened", title_justify="left")
         meaning.add_column("said (%)")
         for one in bins:
             meaning.add_column(_number(100 * one.said), justify="right")
@@ -124,6 +126,7 @@ def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: 
         "options": dict(options),
         "table": {kind: summary.to_dict() for kind, summary in table(rows).items()},
         "reliability": [asdict(one) for one in reliability(rows)],
+        "reliability_of_chosen": [asdict(one) for one in reliability(rows, first_only=True)],
         "scenes": [{**_record(row), "landmarks_px": list(row.landmarks_px)} for row in rows],
     }
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())

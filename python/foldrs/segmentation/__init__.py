@@ -20,15 +20,14 @@ from ..image import Mask, RgbImage, as_rgb
 from ..parameters import OutlineParameters
 from .cut import cut
 from .enclosed import Enclosed, enclosed_object, table_around
-from .masks import largest_part, overlap, part_over, resized, single_object, tidied, touches_border
+from .masks import is_part, largest_part, overlap, part_over, resized, single_object, tidied, touches_border
 from .rim import snap_to_rim
 from .table import FloatImage, tell_cloth
 
 __all__ = ["refined", "segment"]
 
 _SAME = 0.5  # overlap (IoU) from which a table seen whole is what stands out
-_MOSTLY = 0.5  # share of an object within another that is a part of it ...
-_SMALLER = 0.75  # ... and at most so much of it
+_MOSTLY = 0.5  # share of an object within what stands out that is a part of it
 _LEAST_SIDE = 24  # px of the coarse picture: below, a frame and a garment do not both fit
 
 
@@ -132,9 +131,7 @@ def _is_part(mask: Mask, standing_out: Mask, table: Enclosed | None, parameters:
         return False
     if table is not None:
         return overlap(table.mask, standing_out) < _SAME
-    shared = int(np.count_nonzero(mask & standing_out))
-    mostly = shared > _MOSTLY * np.count_nonzero(mask)
-    return bool(mostly and shared < _SMALLER * np.count_nonzero(standing_out))
+    return is_part(mask, standing_out, _MOSTLY)
 
 
 def refined(rgb: RgbImage, mask: Mask, parameters: OutlineParameters | None = None) -> Mask:

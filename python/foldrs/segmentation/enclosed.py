@@ -18,7 +18,7 @@ import numpy as np
 from ..errors import SeveralGarmentsError
 from ..image import Mask
 from ..parameters import OutlineParameters
-from .masks import disc, filled, hull, overlap
+from .masks import disc, filled, hull, is_part, overlap
 from .table import FloatImage, Surprise, surprise
 
 __all__ = ["Enclosed", "enclosed_object", "table_around"]
@@ -27,8 +27,7 @@ _BLUR = 1.0  # px, before colours are differentiated: half a rim
 _LEAST_COST = 1e-3  # of a step where the colour does not change: among such ways the shorter
 _LEVELS = 18  # heights of the barrier looked at: objects that differ by a fifth in height are told apart
 _SAME = 0.85  # overlap (IoU) of what is one object at several heights
-_WITHIN = 0.95  # share of an object inside another that bears it ...
-_SMALLER = 0.75  # ... and of which it covers at most so much
+_WITHIN = 0.95  # share of an object inside another that bears it
 _MOST = 0.35  # share of an object that a print upon it hardly covers ...
 _CLEARER = 1.3  # ... with so much more contrast
 
@@ -52,9 +51,7 @@ class Enclosed(NamedTuple):
 
     def bears(self, other: Enclosed) -> bool:
         """Whether another object lies within this one and leaves some of it free."""
-        if other.area >= _SMALLER * self.area:
-            return False
-        return bool(np.count_nonzero(other.mask & self.mask) > _WITHIN * other.area)
+        return is_part(other.mask, self.mask, _WITHIN)
 
 
 def enclosed_object(

@@ -100,6 +100,12 @@ def overlap(one: Mask, other: Mask) -> float:
     return int(np.count_nonzero(one & other)) / max(1, int(np.count_nonzero(one | other)))
 
 
+def is_part(one: Mask, other: Mask, within: float) -> bool:
+    """Whether at least that share of `one` lies within `other`, and leaves a quarter of it free or more."""
+    shared = int(np.count_nonzero(one & other))
+    return bool(within * np.count_nonzero(one) < shared < 0.75 * np.count_nonzero(other))
+
+
 def touches_border(mask: Mask) -> bool:
     """Whether any of `mask` lies on the picture's border."""
     return bool(mask[[0, -1]].any() or mask[:, [0, -1]].any())

@@ -17,6 +17,7 @@ mod flap;
 mod layers;
 mod nearest;
 mod normal;
+mod problem;
 mod rim;
 mod shape;
 mod solve;
@@ -70,10 +71,12 @@ fn fit_starts(
     for (fit, better) in fine.iter_mut().zip(again) {
         fit.1 = better;
     }
-    let mut fine = best_first(parallel::map(&fine, |(t, fit)| match rims {
-        Some(rims) => solve::with_picture(field, of(*t), fit, rims, parameters).map(|fit| (*t, fit)),
-        None => Some((*t, fit.clone())),
-    }));
+    let mut fine = best_first(match rims {
+        Some(rims) => parallel::map(&fine, |(t, fit)| {
+            solve::with_picture(field, of(*t), fit, rims, parameters).map(|fit| (*t, fit))
+        }),
+        None => fine.into_iter().map(Some).collect(),
+    });
     // Only the first few are ever shown.
     let shown: Vec<Option<JointFit>> =
         parallel::map(&fine[..fine.len().min(parameters.polished)], |(t, fit)| {

@@ -1,0 +1,340 @@
+//! One candidate: its variables, what they explain of the seen outline, and the step that explains more.
+
+use super::field::SeenField;
+use super::layers::{fold_layers, Layers, Piece};
+use super::nearest::{nearest_pieces, Nearest};
+use super::normal::{Factored, Jacobian, Normal, POSE};
+use super::rim::RimEvidence;
+use super::shape::FlexibleTemplate;
+use super::solve::{JointFit, Start};
+use crate::crease::Axis;
+use crate::fold::Layer;
+use crate::parameters::FitParameters;
+use crate::{Point, Segment, Vector};
+use nalgebra::{DVector, Matrix2};
+
+/// Free variables of a candidate.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    /// Displacements of the corners in template units, x and y in turn.
+    pub(super) displacement: DVector<f64>,
+    /// Logarithm of the scale over the start's.
+    growth: f64,
+    turn: f64,
+    offset: Vector,
+    /// Where every crease lies, first made first.
+    slips: Vec<Slip>,
+    /// How far every edge bulges to its left in the middle, in seen units: hems and seams are not straight.
+    pub(super) bows: Vec<f64>,
+}
+
+/// How a crease lies beside its side.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slip {
+    /// Shift across the side, in seen units.
+    shift: f64,
+    /// Turn from the side.
+    skew: f64,
+}
+
+/// Fixed in one candidate.
+pub(super) struct Problem<'a> {
+    field: &'a SeenField,
+    template: &'a FlexibleTemplate,
+    start: Start,
+    /// The sides as axes with the flap on their left, first made first, and their middles.
+    sides: Vec<(Axis, Point)>,
+    /// Spread of every edge's bow, in seen units.
+    bow_spreads: Vec<f64>,
+    parameters: &'a FitParameters,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        field: &'a SeenField,
+        template: &'a FlexibleTemplate,
+        start: Start,
+        parameters: &'a FitParameters,
+    ) -> Option<Self> {
+        let turned = |side: &Segment| {
+            let middle = nalgebra::center(&side[0], &side[1]);
+            Some((Axis::new(&[side[1], side[0]]).ok()?, middle))
+        };
+        let sides = start.sides.iter().map(turned).collect::<Option<_>>()?;
+        let corners = &template.corners;
+        let length = |i: usize| (corners[(i + 1) % corners.len()] - corners[i]).norm() * start.scale;
+        let unit = template.area.sqrt() * start.scale;
+        let bow_spreads = (0..corners.len())
+            .map(|i| parameters.bow * (length(i) * unit).sqrt())
+            .collect();
+        Some(Self {
+            field,
+            template,
+            start,
+            sides,
+            bow_spreads,
+            parameters,
+        })
+    }
+
+    pub(super) fn initial(&self) -> State {
+        let linear = self.linear(0.0, self.start.turn);
+        let anchor = linear * (self.start.anchor - self.template.centre);
+        State {
+            displacement: DVector::zeros(2 * self.template.corners.len()),
+            growth: 0.0,
+            turn: self.start.turn,
+            offset: self.start.target.coords - anchor,
+            slips: vec![Slip::default(); self.sides.len()],
+            bows: vec![0.0; self.template.corners.len()],
+        }
+    }
+
+    /// Linear part of the pose: scale, turn, and reflection.
+    fn linear(&self, growth: f64, turn: f64) -> Matrix2<f64> {
+        let scale = self.start.scale * growth.exp();
+        let (s, c) = turn.sin_cos();
+        let mirror = if self.start.reflected { -1.0 } else { 1.0 };
+        Matrix2::new(c * mirror, -s, s * mirror, c) * scale
+    }
+
+    pub(super) fn ring(&self, state: &State) -> Vec<Point> {
+        let linear = self.linear(state.growth, state.turn);
+        let corner = |i: usize| {
+            let d = Vector::new(state.displacement[2 * i], state.displacement[2 * i + 1]);
+            Point::from(linear * (self.template.corners[i] + d) + state.offset)
+        };
+        (0..self.template.corners.len()).map(corner).collect()
+    }
+
+    /// The creases, of their sides' lengths, with the flap on their left.
+    pub(super) fn axes(&self, state: &State) -> Vec<Axis> {
+        let axis = |((side, _), slip): (&(Axis, Point), &Slip)| {
+            let u = side.direction;
+            let (s, c) = slip.skew.sin_cos();
+            let direction = Vector::new(c * u.x - s * u.y, s * u.x + c * u.y);
+            Axis {
+                origin: Point::origin(),
+                direction,
+                length: side.length,
+            }
+        };
+        let mut axes: Vec<Axis> = self.sides.iter().zip(&state.slips).map(axis).collect();
+        for (axis, through) in axes.iter_mut().zip(self.pivots(state)) {
+            axis.origin = through - axis.direction * (axis.length / 2.0);
+        }
+        axes
+    }
+
+    /// The points the creases turn about.
+    fn pivots(&self, state: &State) -> Vec<Point> {
+        let pivot = |((side, middle), slip): (&(Axis, Point), &Slip)| {
+            middle + Vector::new(-side.direction.y, side.direction.x) * slip.shift
+        };
+        self.sides.iter().zip(&state.slips).map(pivot).collect()
+    }
+
+    pub(super) fn layers(&self, ring: &[Point], axes: &[Axis]) -> Option<Layers> {
+        fold_layers(ring, axes, self.parameters.covered)
+    }
+
+    pub(super) fn step(&self, state: &State, noise: f64) -> Option<State> {
+        let normal = self.linearise(state, noise, false)?;
+        Some(self.moved(state, &normal.factored()?))
+    }
+
+    /// The state one step on.
+    pub(super) fn moved(&self, state: &State, here: &Factored) -> State {
+        let delta = here.factor.solve(&-&here.gradient);
+        let n = state.displacement.len();
+        // A step beyond the range in which the model is linear would lead anywhere.
+        let length = (0..n)
+            .map(|k| delta[k].abs())
+            .fold(delta[n].abs() * 40.0, f64::max);
+        let length = length
+            .max(delta[n + 1].abs() * 40.0)
+            .max(delta[n + 2].abs())
+            .max(delta[n + 3].abs());
+        let damp = (self.parameters.longest_step / length).min(1.0);
+        let d = delta * damp;
+        State {
+            displacement: &state.displacement + d.rows(0, n),
+            growth: state.growth + d[n],
+            turn: state.turn + d[n + 1],
+            offset: state.offset + Vector::new(d[n + 2], d[n + 3]),
+            slips: (0..state.slips.len())
+                .map(|k| Slip {
+                    shift: state.slips[k].shift + d[n + POSE + 2 * k],
+                    skew: state.slips[k].skew + d[n + POSE + 2 * k + 1],
+                })
+                .collect(),
+            bows: (0..state.bows.len())
+                .map(|i| state.bows[i] + d[n + POSE + 2 * state.slips.len() + i])
+                .collect(),
+        }
+    }
+
+    /// Prior precisions of growth, turn, offset x and y, every crease's shift and skew, and every edge's bow.
+    fn free_precisions(&self) -> Vec<f64> {
+        let p = self.parameters;
+        let mut spreads = vec![p.growth, p.turn, p.offset, p.offset];
+        for k in 0..self.sides.len() {
+            // Of an earlier fold's crease the outline shows a part, or what a later fold turned over.
+            let last = k + 1 == self.sides.len();
+            spreads.extend(if last {
+                [p.shift, p.skew]
+            } else {
+                [p.earlier_shift, p.earlier_skew]
+            });
+        }
+        spreads.extend(&self.bow_spreads);
+        spreads.into_iter().map(|spread| spread.powi(-2)).collect()
+    }
+
+    /// Minus log of the joint density and its quadratic approximation about a state, without the density itself
+    /// unless it is `weighed`.
+    fn linearise(&self, state: &State, noise: f64, weighed: bool) -> Option<Normal> {
+        let n = state.displacement.len();
+        let mut normal = Normal::of(n + POSE + 2 * self.sides.len() + state.bows.len());
+        normal.weighed = weighed;
+        normal.prior = self.template.cost(&state.displacement);
+        normal
+            .hessian
+            .view_mut((0, 0), (n, n))
+            .copy_from(&self.template.precision);
+        normal
+            .gradient
+            .rows_mut(0, n)
+            .copy_from(&(&self.template.precision * &state.displacement));
+        let slips = state.slips.iter().flat_map(|slip| [slip.shift, slip.skew]);
+        let free = [state.growth, 0.0, 0.0, 0.0].into_iter().chain(slips);
+        let free = free.chain(state.bows.iter().copied());
+        for (k, (precision, value)) in self.free_precisions().into_iter().zip(free).enumerate() {
+            normal.hessian[(n + k, n + k)] += precision;
+            normal.gradient[n + k] += precision * value;
+            normal.prior += 0.5 * precision * value * value;
+        }
+        self.evaluate(state, noise, normal)
+    }
+
+    /// Adds what the outlines say of a state.
+    pub(super) fn evaluate(&self, state: &State, noise: f64, mut normal: Normal) -> Option<Normal> {
+        let ring = self.ring(state);
+        let axes = self.axes(state);
+        let Layers { pieces, creases } = self.layers(&ring, &axes)?;
+        let jacobian = Jacobian {
+            linear: self.linear(state.growth, state.turn),
+            offset: Point::from(state.offset),
+            axes: &axes,
+            pivots: &self.pivots(state),
+            creases: &creases,
+            ring: &ring,
+            bows: &state.bows,
+        };
+        self.explain_seen(&pieces, &jacobian, noise, &mut normal);
+        self.stay_inside(&pieces, &jacobian, noise, &mut normal);
+        Some(normal)
+    }
+
+    /// Every seen point should lie near a piece of the model that runs its way.
+    fn explain_seen(&self, pieces: &[Piece], jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
+        let p = self.parameters;
+        let weight = (self.field.spacing / p.correlation).min(1.0);
+        let nearest = nearest_pieces(&self.field.samples, pieces, p.against, p.bend);
+        for ((q, _), Nearest { piece: k, t, opposed }) in self.field.samples.iter().zip(nearest) {
+            let piece = &pieces[k];
+            let v = q - jacobian.point(piece, t);
+            let across = Vector::new(-piece.direction.y, piece.direction.x);
+            // Within the edge only the distance across it counts; beyond its end, all of it.
+            let inner = t > piece.share[0] && t < piece.share[1];
+            let (r, w) = if inner {
+                (across.dot(&v), -across)
+            } else {
+                let r = v.norm();
+                (r, if r > 1e-9 { -v / r } else { -across })
+            };
+            normal.add(piece, t, r, w, opposed, noise, weight, p.tail, jacobian);
+        }
+    }
+
+    /// No edge of the model should stick out of the seen outline.
+    fn stay_inside(&self, pieces: &[Piece], jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
+        let p = self.parameters;
+        for piece in pieces.iter().filter(|piece| piece.layer != Layer::Crease) {
+            let visible = piece.length * (piece.share[1] - piece.share[0]);
+            let count = (visible / self.field.spacing).ceil().max(1.0);
+            let weight = (visible / count / p.correlation).min(1.0);
+            for k in 0..count as usize {
+                let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
+                if let Some((out, gradient)) = self.field.outside(&jacobian.point(piece, t)) {
+                    normal.add(piece, t, out, gradient, 0.0, noise, weight, p.tail, jacobian);
+                }
+            }
+        }
+    }
+
+    /// The density and its approximation about a state, ready for both its evidence and a step.
+    pub(super) fn factored(&self, state: &State, noise: f64) -> Option<Factored> {
+        self.linearise(state, noise, true)?.factored()
+    }
+
+    pub(super) fn evidence(&self, here: &Factored) -> Evidence {
+        let poses: f64 = self.free_precisions().iter().map(|p| p.ln()).sum();
+        let log_det = 2.0
+            * here
+                .factor
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|x| x.ln())
+                .sum::<f64>();
+        Evidence {
+            surprise: here.residual + here.prior + 0.5 * (log_det - self.template.log_det - poses),
+            residual: here.residual,
+        }
+    }
+
+    pub(super) fn finish(&self, state: State, noise: f64) -> Option<JointFit> {
+        let evidence = self.evidence(&self.factored(&state, noise)?);
+        self.told(state, &evidence)
+    }
+
+    pub(super) fn told(&self, state: State, evidence: &Evidence) -> Option<JointFit> {
+        let ring = self.ring(&state);
+        let axes = self.axes(&state);
+        let layers = self.layers(&ring, &axes)?;
+        let creases = (0..axes.len()).map(|k| layers.creased(k, &axes[k])).collect();
+        let corners = self
+            .template
+            .corners
+            .iter()
+            .enumerate()
+            .map(|(i, c)| {
+                Point::new(
+                    c.x + state.displacement[2 * i],
+                    c.y + state.displacement[2 * i + 1],
+                )
+            })
+            .collect();
+        Some(JointFit {
+            start: self.start.clone(),
+            corners,
+            ring,
+            scale: self.start.scale * state.growth.exp(),
+            turn: state.turn,
+            centre: Point::from(state.offset),
+            creases,
+            surprise: evidence.surprise,
+            rim: RimEvidence::default(),
+            residual: evidence.residual,
+            state,
+        })
+    }
+}
+
+/// How well a state explains the seen outline.
+pub(super) struct Evidence {
+    /// Minus log evidence.
+    pub(super) surprise: f64,
+    pub(super) residual: f64,
+}
