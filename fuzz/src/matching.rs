@@ -2,7 +2,7 @@
 
 use super::bytes::Bytes;
 use foldrs::alignment::{align, alignment_costs, AlignmentParameters};
-use foldrs::fit::{explain_jointly, fit_unfolded, FlexibleTemplate, FoldCount, Picture, SeenField};
+use foldrs::fit::{explain_jointly, fit_unfolded, FlexibleTemplate, FoldCount, Looks, Picture, SeenField};
 use foldrs::matching::{claim_axes, match_folded, Seen};
 use foldrs::shape_context::CostMatrix;
 use foldrs::{Outline, Parameters, Point};
@@ -120,14 +120,24 @@ pub fn explain(data: &[u8]) {
 
     let flexible = [FlexibleTemplate::new(&templates[0], &pairs, &parameters.fit)];
     let claims = claim_axes(&seen, &templates, scale, &parameters);
-    let picture = with_picture.then(|| Picture {
-        width: 8,
-        height: 8,
-        tensor: (0..64)
-            .map(|_| [bytes.byte(), bytes.byte(), bytes.byte()].map(f32::from))
-            .collect(),
-        scale: 1.0,
-        steps: None,
+    let picture = with_picture.then(|| {
+        let pixels: Vec<[u8; 3]> = (0..64)
+            .map(|_| [bytes.byte(), bytes.byte(), bytes.byte()])
+            .collect();
+        Picture {
+            width: 8,
+            height: 8,
+            tensor: pixels.iter().map(|pixel| pixel.map(f32::from)).collect(),
+            scale: 1.0,
+            steps: None,
+            looks: Some(Looks {
+                width: 8,
+                height: 8,
+                look: pixels.iter().map(|pixel| pixel[0] % 4).collect(),
+                scale: 1.0,
+                origin: Point::origin(),
+            }),
+        }
     });
     let folds = FoldCount::UpTo(usize::from(bytes.byte()) % 3);
     let fits = explain_jointly(

@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Points = NDArray[np.float64]
+_Edges = NDArray[np.float32]
+_Looks = tuple[NDArray[np.uint8], float, tuple[float, float]]
+_Picture = tuple[_Edges, float, _Edges | None, _Looks | None]
 
 __all__ = [
     "Candidate",
@@ -369,13 +372,15 @@ def fit_jointly(
     folds: int,
     up_to: bool = False,
     scale: float | None = None,
-    picture: tuple[NDArray[np.float32], float, NDArray[np.float32] | None] | None = None,
+    picture: _Picture | None = None,
 ) -> JointFits:
     """Fit templates (given as outlines and prepared) jointly with their creases; the best evidence first.
 
     The fits start from what partial matching claims about the axis. `folds` is the number of folds, or the
     largest number if `up_to`: then further ones are tried while they explain more. `scale` is the number of
-    seen units a template unit, if known.
+    seen units a template unit, if known. `picture` is what was seen inside the outline, in its frame:
+    structure tensors (h, w, 3) of the colours, their pixels a seen unit, the same of the heights if they
+    are known, and the looks of the cloth with their pixels a seen unit and the place of the first.
     """
 
 def fit_known(

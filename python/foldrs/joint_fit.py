@@ -12,7 +12,7 @@ from foldrs import _core
 from foldrs.explanation import Explanation, Points
 from foldrs.landmark import carried
 from foldrs.parameters import Parameters
-from foldrs.picture import ColourEdges
+from foldrs.picture import Picture
 from foldrs.result import FittedTemplate, Fold
 from foldrs.template import Template
 
@@ -24,7 +24,7 @@ def fit_jointly(
     seen: _core.Seen,
     templates: Sequence[Template],
     px_per_unit: float | None,
-    edges: ColourEdges | None,
+    picture: Picture | None,
     folds: Folds,
     parameters: Parameters,
 ) -> list[Explanation]:
@@ -38,13 +38,19 @@ def fit_jointly(
         parameters.alternatives.most_folds if folds == "auto" else folds,
         folds == "auto",
         px_per_unit,
-        None if edges is None else (edges.tensor, edges.scale, edges.steps),
+        None if picture is None else _for_core(picture),
     )
     number = fits.enough if folds == "auto" else folds
     sure = parameters.picture.sure
     return [
         explanation(templates[fit.template], fit, fits.surprise(0), sure) for fit in fits.explanations(number)
     ]
+
+
+def _for_core(picture: Picture) -> tuple[Any, ...]:
+    """Give the picture the form the crate takes."""
+    edges, looks = picture.edges, picture.looks
+    return edges.tensor, edges.scale, edges.steps, (looks.look, looks.scale, looks.origin)
 
 
 def explanation(template: Template, fit: _core.JointExplanation, unfolded: float, sure: float) -> Explanation:

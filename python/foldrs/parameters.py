@@ -324,6 +324,37 @@ class RimParameters:
 
 
 @dataclass(frozen=True)
+class RegionParameters:
+    """Evidence from the picture: what the layer on top covers looks different (beyond the paper).
+
+    Lengths are in template units (cm).
+    """
+
+    inside: float = 1.5
+    """Places this near to the seen outline say nothing: light and blur change there anyway."""
+    patch: float = 4.0
+    """Side of a patch of cloth that is one observation, as along rims: wrinkles and prints are about so wide.
+    At 2 light and shadow are believed too much; 3 and 5 rank nearly as many right."""
+    chance: float = 0.9
+    """Quantile of what straight cuts tell by chance that a region must exceed. 0.5 to 0.95 rank as many
+    right; hems and prints along a side ask for much."""
+    least: float = 0.02
+    """Share of the cloth below which a region, or the rest, is too small to tell."""
+    placement: float = 0.7
+    """Spread of a rim about where the picture shows it: the smoothing of the looks."""
+    directions: int = 3
+    """So many directions in which the outline leaves the rims open are searched; 5 find nothing more."""
+    open: float = 0.5
+    """Spread of the rims along a direction below which the outline tells enough."""
+    step: float = 0.75
+    """Step of the search, as a distance of the rims; the last ones are a quarter of it."""
+    range: float = 2.5
+    """How far the search goes, in spreads."""
+    placed: int = 20
+    """How many of the best fits are searched about; 12 miss some, 40 find nothing more."""
+
+
+@dataclass(frozen=True)
 class MatchingParameters:
     """Stages 1 to 4 and the joint fit, as the crate takes them."""
 
@@ -334,6 +365,7 @@ class MatchingParameters:
     alignment: AlignmentParameters = field(default_factory=AlignmentParameters)
     fit: JointFitParameters = field(default_factory=JointFitParameters)
     rim: RimParameters = field(default_factory=RimParameters)
+    region: RegionParameters = field(default_factory=RegionParameters)
 
 
 @dataclass(frozen=True)
@@ -405,12 +437,23 @@ class GraspParameters:
 
 @dataclass(frozen=True)
 class PictureParameters:
-    """Colour edges of the picture, for the evidence of rims."""
+    """Colour edges and looks of the picture, for the evidence of rims and regions."""
 
     longest: int = 640
     """px: pictures with a longer side are made smaller first; a rim is some pixels wide at that size."""
     blur: float = 1.0
     """px: Gaussian blur before the gradient; the width of a pixel, against noise."""
+    cloth: float = 200.0
+    """px: square root of the cloth's area at which its looks are told; larger cloth is made smaller. Stripes
+    of half a centimetre are two pixels then."""
+    look_blur: float = 0.015
+    """Spread over which a place's look is told, as a share of that root: three quarters of a centimetre."""
+    looks: int = 6
+    """How many looks are told apart: two faces, with their light and shadow. 4 are too few, 9 the same."""
+    look_samples: int = 1500
+    """Places from which the looks are learnt, at most twice as many: more changes nothing."""
+    fewest_seen: int = 100
+    """Places below which a cloth has but one look."""
     sure: float = 2.5
     """Nats by which one layer must be more likely on top than the other to be called so. Nine in ten such
     calls were right on real garments, eight in ten on rendered ones."""

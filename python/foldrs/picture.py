@@ -1,4 +1,4 @@
-"""Edges of colour and height, for the evidence of rims seen inside the outline (beyond the paper)."""
+"""What is seen inside the outline: edges and looks, the evidence of rims and regions (beyond the paper)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,37 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from foldrs.looks import Looks, looks_of
 from foldrs.parameters import PictureParameters
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What is seen inside the outline."""
+
+    edges: ColourEdges
+    looks: Looks
+
+
+def seen_inside(
+    rgb: NDArray[np.uint8], outline: NDArray[np.float64], parameters: PictureParameters
+) -> Picture:
+    """Find edges and looks of the cloth in a photograph.
+
+    Parameters
+    ----------
+    rgb : (h, w, 3) uint8 array
+        The photograph.
+    outline : (n, 2) array
+        The seen outline, px.
+    parameters : PictureParameters
+        Sizes and blur, and how many looks.
+
+    Returns
+    -------
+    Picture
+    """
+    return Picture(colour_edges(rgb, parameters), looks_of(rgb, outline, parameters))
 
 
 @dataclass(frozen=True, eq=False)

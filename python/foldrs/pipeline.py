@@ -23,7 +23,7 @@ from foldrs.joint_fit import Folds, fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
 from foldrs.parameters import GraspParameters, Parameters
-from foldrs.picture import colour_edges, with_heights
+from foldrs.picture import seen_inside, with_heights
 from foldrs.result import FitResult, FittedTemplate
 from foldrs.scale import Reference
 from foldrs.stages import FittingPass, fitting_passes
@@ -141,11 +141,12 @@ def fit(
         temperature = parameters.alternatives.temperature
         grasp = replace(parameters.grasp, snap_corner=parameters.fitting.snap_corner)
     else:
-        edges = None if sight.rgb is None else colour_edges(sight.rgb, parameters.picture)
-        if edges is not None and sight.heights is not None:
-            edges = with_heights(edges, sight.heights, parameters.depth.step_blur)
+        picture = None if sight.rgb is None else seen_inside(sight.rgb, sight.points, parameters.picture)
+        if picture is not None and sight.heights is not None:
+            edges = with_heights(picture.edges, sight.heights, parameters.depth.step_blur)
+            picture = replace(picture, edges=edges)
         clock.lap("picture")
-        explanations = fit_jointly(seen, chosen, px_per_cm, edges, folds, parameters)
+        explanations = fit_jointly(seen, chosen, px_per_cm, picture, folds, parameters)
         clock.lap("matching")
         temperature = parameters.alternatives.nats
         grasp = parameters.grasp

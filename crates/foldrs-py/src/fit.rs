@@ -4,7 +4,7 @@ use crate::convert::{array, outline, points, segment};
 use crate::matching::{map_array, PySeen};
 use foldrs::fit::{
     explain_from, explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, KnownFold,
-    Picture,
+    Looks, Picture,
 };
 use foldrs::hypothesis::Face;
 use foldrs::matching::claim_axes;
@@ -78,12 +78,12 @@ impl PyJointExplanation {
 
     #[getter]
     fn flap_on_top(&self) -> f64 {
-        self.0.rim.flap_on_top
+        self.0.picture.flap_on_top
     }
 
     #[getter]
     fn picture_gain(&self) -> f64 {
-        self.0.rim.gain
+        self.0.picture.gain
     }
 
     #[getter]
@@ -92,12 +92,13 @@ impl PyJointExplanation {
     }
 }
 
-/// Structure tensors of a picture's colours, their pixels a pixel of the picture, and perhaps those of its heights; all of
-/// one shape (h, w, 3).
-type Edges<'py> = (
+/// Structure tensors of a picture's colours, their pixels a pixel of the picture, and perhaps those of its heights, all of
+/// one shape (h, w, 3); the looks of the cloth, their pixels a pixel of the picture, and where in it the first one lies.
+type PictureParts<'py> = (
     PyReadonlyArray3<'py, f32>,
     f64,
     Option<PyReadonlyArray3<'py, f32>>,
+    Option<(PyReadonlyArray2<'py, u8>, f64, (f64, f64))>,
 );
 
 /// The joint fits for every number of folds tried.
@@ -138,7 +139,7 @@ pub(crate) fn fit_jointly(
     folds: usize,
     up_to: bool,
     scale: Option<f64>,
-    picture: Option<Edges<'_>>,
+    picture: Option<PictureParts<'_>>,
 ) -> PyResult<PyJointFits> {
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
@@ -193,8 +194,8 @@ pub(crate) fn fit_known(
     Ok(found.into_iter().map(PyJointExplanation).collect())
 }
 
-/// The picture of structure tensors.
-fn prepared((tensor, scale, steps): &Edges<'_>) -> PyResult<Picture> {
+/// The picture of its parts.
+fn prepared((tensor, scale, steps, looks): &PictureParts<'_>) -> PyResult<Picture> {
     let view = tensor.as_array();
     let (height, width, parts) = view.dim();
     let alike = steps.as_ref().is_none_or(|s| s.as_array().dim() == view.dim());
@@ -213,5 +214,23 @@ fn prepared((tensor, scale, steps): &Edges<'_>) -> PyResult<Picture> {
         tensor: parts_of(tensor),
         steps: steps.as_ref().map(parts_of),
         scale: *scale,
+        looks: looks.as_ref().map(prepared_looks).transpose()?,
+    })
+}
+
+fn prepared_looks((look, scale, (x, y)): &(PyReadonlyArray2<'_, u8>, f64, (f64, f64))) -> PyResult<Looks> {
+    if !(*scale > 0.0 && [*scale, *x, *y].iter().all(|v| v.is_finite())) {
+        return Err(PyValueError::new_err(
+            "the scale of looks must be positive and their origin finite",
+        ));
+    }
+    let view = look.as_array();
+    let (height, width) = view.dim();
+    Ok(Looks {
+        width,
+        height,
+        look: view.iter().copied().collect(),
+        scale: *scale,
+        origin: Point::new(*x, *y),
     })
 }

@@ -28,6 +28,8 @@ pub struct Parameters {
     pub fit: FitParameters,
     /// Evidence from the picture.
     pub rim: RimParameters,
+    /// Evidence from the picture: what the layer on top covers.
+    pub region: RegionParameters,
 }
 
 /// Sides of the simplified outline (section 2.1).
@@ -328,6 +330,55 @@ impl Default for RimParameters {
             sharpness: 5.0,
             mislead: 0.05,
             weight: 0.6,
+        }
+    }
+}
+
+/// Evidence from the picture: what the layer on top covers looks different (beyond the paper). Lengths are in template
+/// units (cm for the built-in templates).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[non_exhaustive]
+pub struct RegionParameters {
+    /// Places this near to the seen outline say nothing: light and blur change there anyway.
+    pub inside: f64,
+    /// Side of a patch of cloth that is one observation: folds in the cloth and prints are about so wide.
+    pub patch: f64,
+    /// Quantile of what straight cuts tell by chance that a region must exceed.
+    pub chance: f64,
+    /// Share of the cloth below which a region, or the rest, is too small to tell.
+    pub least: f64,
+    /// Spread of a rim about where the picture shows it.
+    pub placement: f64,
+    /// So many directions in which the outline leaves the rims open are searched.
+    pub directions: usize,
+    /// Spread of the rims along a direction below which the outline tells enough.
+    pub open: f64,
+    /// Step of the search, as a distance of the rims; the last ones are a quarter of it.
+    pub step: f64,
+    /// How far the search goes, in spreads.
+    pub range: f64,
+    /// How many of the best fits are searched about.
+    pub placed: usize,
+}
+
+impl Default for RegionParameters {
+    fn default() -> Self {
+        Self {
+            inside: 1.5,
+            patch: 4.0,
+            chance: 0.9,
+            least: 0.02,
+            placement: 0.7,
+            directions: 3,
+            open: 0.5,
+            step: 0.75,
+            range: 2.5,
+            placed: 20,
         }
     }
 }

@@ -33,13 +33,19 @@ fn public_types_can_be_cloned_shown_and_shared_between_threads() {
     handy::<(FlexibleTemplate, JointExplanation, JointFits)>();
     handy::<(
         fit::JointFit,
+        fit::Looks,
         fit::Picture,
-        fit::RimEvidence,
+        fit::PictureEvidence,
         fit::SeenField,
         fit::Start,
     )>();
     handy::<model::Region>();
-    handy::<(Parameters, parameters::FitParameters, parameters::RimParameters)>();
+    handy::<(
+        Parameters,
+        parameters::FitParameters,
+        parameters::RimParameters,
+        parameters::RegionParameters,
+    )>();
     handy::<(FoldError, OutlineError)>();
 }
 

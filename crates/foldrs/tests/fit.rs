@@ -6,7 +6,7 @@ use common::cases;
 use foldrs::crease::Axis;
 use foldrs::fit::{
     explain_from, explain_jointly, fit_jointly, fit_unfolded, start_from, FlexibleTemplate, FoldCount,
-    JointFit, KnownFold, SeenField,
+    JointFit, KnownFold, Looks, Picture, SeenField,
 };
 use foldrs::hypothesis::{Face, Hypothesis};
 use foldrs::matching::{claim_axes, Seen};
@@ -169,4 +169,66 @@ fn a_hem_that_bulges_surprises_less_if_edges_may_bulge() {
     assert!(surprise(soft, 3.0) < surprise(hard, 3.0) - 2.0);
     // Freedom that nothing asks for costs something.
     assert!(surprise(soft, 0.0) > surprise(hard, 0.0));
+}
+
+/// What is seen of a towel lying with its crease at x = 0: a picture whose flap reaches to a given x, cm; a pixel a cm.
+fn picture(reach: usize) -> Picture {
+    const SIZE: (usize, usize) = (52, 42);
+    let pixels = || (0..SIZE.0 * SIZE.1).map(|k| k % SIZE.0);
+    Picture {
+        width: SIZE.0,
+        height: SIZE.1,
+        tensor: pixels().map(|x| [f32::from(x == reach), 0.0, 0.0]).collect(),
+        steps: None,
+        scale: 1.0,
+        looks: Some(Looks {
+            width: SIZE.0,
+            height: SIZE.1,
+            look: pixels().map(|x| u8::from(x < reach)).collect(),
+            scale: 1.0,
+            origin: Point::origin(),
+        }),
+    }
+}
+
+#[test]
+fn the_picture_tells_how_far_a_flap_reaches_and_that_it_lies_on_top() {
+    // The template is 60 cm long, so a towel folded to 50 has a flap of 10 by the outline; the true ones differ.
+    let template = Outline::new(
+        [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)]
+            .map(|(x, y)| Point::new(x, y))
+            .to_vec(),
+    )
+    .unwrap();
+    let seen = [(0.0, 0.0), (50.0, 0.0), (50.0, 40.0), (0.0, 40.0)].map(|(x, y)| Point::new(x, y));
+    let parameters = Parameters::default();
+    let templates = [FlexibleTemplate::new(&template, &[], &parameters.fit)];
+    let crease = [Point::new(0.0, 40.0), Point::new(0.0, 0.0)];
+    let known = KnownFold {
+        template: 0,
+        axis: [Point::new(10.0, 40.0), Point::new(10.0, 0.0)],
+        crease,
+        face: Face::Seen,
+    };
+    let seen = Seen::new(Outline::new(seen.to_vec()).unwrap(), &parameters);
+    let length = |picture: Option<&Picture>| {
+        let told = explain_from(&seen, &templates, &[known], Some(1.0), picture, &parameters);
+        let places: Vec<f64> = told[0]
+            .outline
+            .iter()
+            .map(|p| told[0].to_seen.apply(p).x)
+            .collect();
+        let long = |sign: f64| places.iter().map(|x| sign * x).fold(f64::NEG_INFINITY, f64::max);
+        (long(1.0) + long(-1.0), told[0].picture)
+    };
+    assert!((length(None).0 - 60.0).abs() < 2.0);
+    assert_eq!(length(None).1.gain, 0.0);
+    for reach in [8, 14, 16] {
+        let (length, told) = length(Some(&picture(reach)));
+        assert!(
+            (length - 50.0 - reach as f64).abs() < 2.0,
+            "{length} for a flap of {reach}"
+        );
+        assert!(told.gain > 10.0 && told.flap_on_top > 10.0, "{told:?}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
-use super::rim::{Picture, RimEvidence, Rims};
+use super::picture::{Picture, PictureEvidence, Sight};
 use super::{
     fit_starts, fit_unfolded, flap, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField,
     Start,
@@ -33,7 +33,7 @@ pub struct JointExplanation {
     /// Minus log evidence, in nats; comparable between templates and numbers of folds.
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
-    pub rim: RimEvidence,
+    pub picture: PictureEvidence,
 }
 
 /// How many folds to undo.
@@ -92,7 +92,7 @@ pub fn explain_jointly(
     let Some(search) = Search::new(seen, templates, scale, &parameters.fit) else {
         return JointFits::default();
     };
-    let rims = search.rims(picture, parameters);
+    let sight = search.sight(picture, parameters);
     let mut found = JointFits {
         by_folds: vec![search.told(&search.unfolded(), 0)],
     };
@@ -102,7 +102,7 @@ pub fn explain_jointly(
     };
     let mut starts = search.starts(claims);
     for count in 1..=most {
-        let fits = search.fits(&starts, rims.as_ref());
+        let fits = search.fits(&starts, sight.as_ref());
         found.by_folds.push(search.told(&fits, count));
         // One fold alone may explain little of a garment folded twice, so two are always tried.
         if count == most || !(all || count == 1 || found.enough() == count) {
@@ -141,14 +141,14 @@ pub fn explain_from(
     let Some(search) = Search::new(seen, templates, scale, &parameters.fit) else {
         return Vec::new();
     };
-    let rims = search.rims(picture, parameters);
+    let sight = search.sight(picture, parameters);
     let start = |fold: &KnownFold| {
         let crease = fold.crease.map(|p| p / search.working);
         let start = start_over(&fold.axis, fold.face, &crease, search.expected(fold.template, 1))?;
         Some((fold.template, start))
     };
     let starts: Vec<(usize, Start)> = known.iter().filter_map(start).collect();
-    search.told(&search.fits(&starts, rims.as_ref()), 1)
+    search.told(&search.fits(&starts, sight.as_ref()), 1)
 }
 
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
@@ -210,13 +210,13 @@ impl<'a> Search<'a> {
     }
 
     /// What the picture shows, if there is one.
-    fn rims<'b>(&self, picture: Option<&'b Picture>, parameters: &'b Parameters) -> Option<Rims<'b>> {
-        Rims::new(picture?, self.working, &self.field, &parameters.rim)
+    fn sight<'b>(&self, picture: Option<&'b Picture>, parameters: &'b Parameters) -> Option<Sight<'b>> {
+        Sight::new(picture?, self.working, &self.field, parameters)
     }
 
     /// The fits from starts, the best evidence first.
-    fn fits(&self, starts: &[(usize, Start)], rims: Option<&Rims>) -> Vec<(usize, JointFit)> {
-        fit_starts(&self.field, &self.templates, starts, rims, &self.parameters)
+    fn fits(&self, starts: &[(usize, Start)], sight: Option<&Sight>) -> Vec<(usize, JointFit)> {
+        fit_starts(&self.field, &self.templates, starts, sight, &self.parameters)
     }
 
     /// Expected number of working units a unit of a template folded so many times.
@@ -351,6 +351,6 @@ fn explanation(
         to_seen,
         creases,
         surprise: fit.surprise,
-        rim: fit.rim,
+        picture: fit.picture,
     })
 }

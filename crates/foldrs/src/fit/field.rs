@@ -12,12 +12,31 @@ pub struct SeenField {
     pub(super) spacing: f64,
     /// Enclosed area.
     pub(super) area: f64,
-    low: Point,
-    cell: f64,
-    columns: usize,
+    grid: Grid,
+}
+
+/// Signed distances from the outline at the nodes of a grid.
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
+    /// The first node.
+    pub(super) low: Point,
+    /// Distance of two nodes.
+    pub(super) cell: f64,
+    pub(super) columns: usize,
     rows: usize,
-    /// Signed distances at the grid's nodes, row by row; positive outside.
-    distance: Vec<f64>,
+    /// The distances, row by row; positive outside.
+    pub(super) distance: Vec<f64>,
+}
+
+impl Grid {
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Where a node lies.
+    pub(super) fn node(&self, k: usize) -> Point {
+        self.low + Vector::new((k % self.columns) as f64, (k / self.columns) as f64) * self.cell
+    }
 }
 
 impl SeenField {
@@ -44,24 +63,26 @@ impl SeenField {
             samples: super::samples(outline, n),
             spacing: outline.length() / n as f64,
             area: outline.signed_area().abs(),
-            low,
-            cell,
-            columns,
-            rows,
-            distance,
+            grid: Grid {
+                low,
+                cell,
+                columns,
+                rows,
+                distance,
+            },
         }
+    }
+
+    pub(super) fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     /// The grid's nodes that lie at least `depth` within the outline.
     pub(super) fn nodes_within(&self, depth: f64) -> impl Iterator<Item = Point> + '_ {
-        self.distance
-            .iter()
-            .enumerate()
+        let nodes = self.grid.distance.iter().enumerate();
+        nodes
             .filter(move |(_, d)| **d < -depth)
-            .map(|(k, _)| {
-                let node = Vector::new((k % self.columns) as f64, (k / self.columns) as f64);
-                self.low + node * self.cell
-            })
+            .map(|(k, _)| self.grid.node(k))
     }
 
     /// Distance of a point outside the outline and its gradient; `None` within.
@@ -73,25 +94,26 @@ impl SeenField {
     /// Distance from the outline, positive outside, and its gradient; far off the grid it grows on.
     #[inline]
     pub(super) fn at(&self, p: &Point) -> (f64, Vector) {
-        let g = (p - self.low) / self.cell;
-        let x = g.x.clamp(0.0, (self.columns - 1) as f64 - 1e-9);
-        let y = g.y.clamp(0.0, (self.rows - 1) as f64 - 1e-9);
+        let grid = &self.grid;
+        let g = (p - grid.low) / grid.cell;
+        let x = g.x.clamp(0.0, (grid.columns - 1) as f64 - 1e-9);
+        let y = g.y.clamp(0.0, (grid.rows - 1) as f64 - 1e-9);
         let (i, j) = (x as usize, y as usize);
         let (u, v) = (x - i as f64, y - j as f64);
-        let k = j * self.columns + i;
-        let (a, b) = (self.distance[k], self.distance[k + 1]);
+        let k = j * grid.columns + i;
+        let (a, b) = (grid.distance[k], grid.distance[k + 1]);
         let (c, d) = (
-            self.distance[k + self.columns],
-            self.distance[k + self.columns + 1],
+            grid.distance[k + grid.columns],
+            grid.distance[k + grid.columns + 1],
         );
         let value = (a * (1.0 - u) + b * u) * (1.0 - v) + (c * (1.0 - u) + d * u) * v;
         let gradient = Vector::new(
             (b - a) * (1.0 - v) + (d - c) * v,
             (c - a) * (1.0 - u) + (d - b) * u,
-        ) / self.cell;
-        let beyond = Vector::new(g.x - x, g.y - y) * self.cell;
+        ) / grid.cell;
+        let beyond = Vector::new(g.x - x, g.y - y) * grid.cell;
         let far = beyond.norm();
-        if far > 1e-6 * self.cell {
+        if far > 1e-6 * grid.cell {
             (value + far, beyond / far)
         } else {
             (value, gradient)

@@ -31,6 +31,25 @@ pub(super) struct Layers {
     pub pieces: Vec<Piece>,
     /// All creases, in the order they were made.
     pub creases: Vec<Crease>,
+    /// The layers of cloth.
+    pub cloths: Vec<Cloth>,
+    /// The fold made last, if there is any.
+    pub last: Option<usize>,
+}
+
+impl Piece {
+    /// Places at about equal distances along it: shares of its source, and the length that each stands for.
+    pub(super) fn places(&self, spacing: f64) -> impl Iterator<Item = (f64, f64)> {
+        let [from, to] = self.share;
+        let visible = self.length * (to - from);
+        let count = (visible / spacing).ceil().max(1.0);
+        (0..count as usize).map(move |k| (from + (to - from) * (k as f64 + 0.5) / count, visible / count))
+    }
+
+    /// Unit normal on the cloth's side.
+    pub(super) fn across(&self) -> Vector {
+        Vector::new(-self.direction.y, self.direction.x)
+    }
 }
 
 impl Layers {
@@ -55,6 +74,8 @@ pub(super) fn fold_layers(ring: &[Point], axes: &[Axis], covered: f64) -> Option
     Some(Layers {
         pieces: pieces(ring, axes, &cloths, &creases),
         creases,
+        cloths,
+        last: axes.len().checked_sub(1),
     })
 }
 

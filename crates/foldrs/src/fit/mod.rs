@@ -17,7 +17,10 @@ mod flap;
 mod layers;
 mod nearest;
 mod normal;
+mod picture;
+mod place;
 mod problem;
+mod region;
 mod rim;
 mod shape;
 mod solve;
@@ -26,11 +29,11 @@ mod view;
 
 pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
-pub use rim::{Picture, RimEvidence};
+pub use picture::{Looks, Picture, PictureEvidence};
 pub use shape::FlexibleTemplate;
 pub use solve::{JointFit, Start};
 
-use self::rim::Rims;
+use self::picture::Sight;
 use crate::crease::Axis;
 use crate::hypothesis::{Face, Hypothesis};
 use crate::parameters::FitParameters;
@@ -49,12 +52,13 @@ pub fn fit_jointly(
     fit_starts(field, templates, starts, None, parameters)
 }
 
-/// As [`fit_jointly`], with what the picture says of every fit's rims added to its evidence.
+/// As [`fit_jointly`], with what the picture says of every fit added to its evidence, and the rims of the best ones
+/// where it shows them.
 fn fit_starts(
     field: &SeenField,
     templates: &[FlexibleTemplate],
     starts: &[(usize, Start)],
-    rims: Option<&Rims>,
+    sight: Option<&Sight>,
     parameters: &FitParameters,
 ) -> Vec<(usize, JointFit)> {
     let of = |t: usize| &templates[t];
@@ -68,26 +72,35 @@ fn fit_starts(
     let again = parallel::map(&fine[..fine.len().min(parameters.retried)], |(t, fit)| {
         solve::retried(field, of(*t), fit, parameters)
     });
-    for (fit, better) in fine.iter_mut().zip(again) {
-        fit.1 = better;
+    replace_first(&mut fine, again.into_iter().map(Some).collect());
+    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    if let Some(sight) = sight {
+        fine = best_first(parallel::map(&fine, |(t, fit)| {
+            solve::with_picture(field, of(*t), fit, sight, parameters).map(|fit| (*t, fit))
+        }));
+        let few = fine.len().min(sight.placed());
+        let placed = parallel::map(&fine[..few], |(t, fit)| {
+            place::placed(field, of(*t), fit, sight, parameters)
+        });
+        replace_first(&mut fine, placed);
+        fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
     }
-    let mut fine = best_first(match rims {
-        Some(rims) => parallel::map(&fine, |(t, fit)| {
-            solve::with_picture(field, of(*t), fit, rims, parameters).map(|fit| (*t, fit))
-        }),
-        None => fine.into_iter().map(Some).collect(),
-    });
     // Only the first few are ever shown.
     let shown: Vec<Option<JointFit>> =
         parallel::map(&fine[..fine.len().min(parameters.polished)], |(t, fit)| {
             solve::polished(field, of(*t), fit, parameters)
         });
-    for (fit, better) in fine.iter_mut().zip(shown) {
+    replace_first(&mut fine, shown);
+    fine
+}
+
+/// Puts better fits, where there are any, in the place of the first ones.
+fn replace_first(fits: &mut [(usize, JointFit)], better: Vec<Option<JointFit>>) {
+    for (fit, better) in fits.iter_mut().zip(better) {
         if let Some(better) = better {
             fit.1 = better;
         }
     }
-    fine
 }
 
 /// The fits that led anywhere, the best evidence first.

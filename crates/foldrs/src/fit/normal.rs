@@ -36,7 +36,14 @@ impl Jacobian<'_> {
     }
 
     /// How `w . x` changes with the variables, x being the point of a piece's source at share `t`.
-    fn row(&self, piece: &Piece, t: f64, mut w: Vector, variables: usize, row: &mut Vec<(usize, f64)>) {
+    pub(super) fn row(
+        &self,
+        piece: &Piece,
+        t: f64,
+        mut w: Vector,
+        variables: usize,
+        row: &mut Vec<(usize, f64)>,
+    ) {
         let bows = variables - self.bows.len();
         let first = bows - 2 * self.axes.len();
         let n = first - POSE;

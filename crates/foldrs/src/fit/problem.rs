@@ -4,7 +4,8 @@ use super::field::SeenField;
 use super::layers::{fold_layers, Layers, Piece};
 use super::nearest::{nearest_pieces, Nearest};
 use super::normal::{Factored, Jacobian, Normal, POSE};
-use super::rim::RimEvidence;
+use super::picture::PictureEvidence;
+use super::place::ShownRims;
 use super::shape::FlexibleTemplate;
 use super::solve::{JointFit, Start};
 use crate::crease::Axis;
@@ -39,14 +40,25 @@ pub(super) struct Slip {
 
 /// Fixed in one candidate.
 pub(super) struct Problem<'a> {
-    field: &'a SeenField,
+    pub(super) field: &'a SeenField,
     template: &'a FlexibleTemplate,
     start: Start,
     /// The sides as axes with the flap on their left, first made first, and their middles.
     sides: Vec<(Axis, Point)>,
     /// Spread of every edge's bow, in seen units.
     bow_spreads: Vec<f64>,
-    parameters: &'a FitParameters,
+    pub(super) parameters: &'a FitParameters,
+    /// Where the picture shows rims.
+    pub(super) shown: ShownRims,
+}
+
+/// The model of a state, folded.
+pub(super) struct Laid {
+    ring: Vec<Point>,
+    axes: Vec<Axis>,
+    /// The points the creases turn about.
+    pivots: Vec<Point>,
+    pub(super) layers: Layers,
 }
 
 impl<'a> Problem<'a> {
@@ -74,6 +86,7 @@ impl<'a> Problem<'a> {
             sides,
             bow_spreads,
             parameters,
+            shown: ShownRims::default(),
         })
     }
 
@@ -134,8 +147,29 @@ impl<'a> Problem<'a> {
         self.sides.iter().zip(&state.slips).map(pivot).collect()
     }
 
-    pub(super) fn layers(&self, ring: &[Point], axes: &[Axis]) -> Option<Layers> {
-        fold_layers(ring, axes, self.parameters.covered)
+    /// The model folded; `None` if a crease folds nothing.
+    pub(super) fn laid(&self, state: &State) -> Option<Laid> {
+        let (ring, axes) = (self.ring(state), self.axes(state));
+        let layers = fold_layers(&ring, &axes, self.parameters.covered)?;
+        Some(Laid {
+            pivots: self.pivots(state),
+            ring,
+            axes,
+            layers,
+        })
+    }
+
+    /// How the points of a folded model move with its variables.
+    pub(super) fn jacobian<'b>(&self, state: &'b State, laid: &'b Laid) -> Jacobian<'b> {
+        Jacobian {
+            linear: self.linear(state.growth, state.turn),
+            offset: Point::from(state.offset),
+            axes: &laid.axes,
+            pivots: &laid.pivots,
+            creases: &laid.layers.creases,
+            ring: &laid.ring,
+            bows: &state.bows,
+        }
     }
 
     pub(super) fn step(&self, state: &State, noise: f64) -> Option<State> {
@@ -156,7 +190,12 @@ impl<'a> Problem<'a> {
             .max(delta[n + 2].abs())
             .max(delta[n + 3].abs());
         let damp = (self.parameters.longest_step / length).min(1.0);
-        let d = delta * damp;
+        self.shifted(state, &(delta * damp))
+    }
+
+    /// The state with its variables changed by so much.
+    pub(super) fn shifted(&self, state: &State, d: &DVector<f64>) -> State {
+        let n = state.displacement.len();
         State {
             displacement: &state.displacement + d.rows(0, n),
             growth: state.growth + d[n],
@@ -219,20 +258,12 @@ impl<'a> Problem<'a> {
 
     /// Adds what the outlines say of a state.
     pub(super) fn evaluate(&self, state: &State, noise: f64, mut normal: Normal) -> Option<Normal> {
-        let ring = self.ring(state);
-        let axes = self.axes(state);
-        let Layers { pieces, creases } = self.layers(&ring, &axes)?;
-        let jacobian = Jacobian {
-            linear: self.linear(state.growth, state.turn),
-            offset: Point::from(state.offset),
-            axes: &axes,
-            pivots: &self.pivots(state),
-            creases: &creases,
-            ring: &ring,
-            bows: &state.bows,
-        };
-        self.explain_seen(&pieces, &jacobian, noise, &mut normal);
-        self.stay_inside(&pieces, &jacobian, noise, &mut normal);
+        let laid = self.laid(state)?;
+        let jacobian = self.jacobian(state, &laid);
+        let pieces = &laid.layers.pieces;
+        self.explain_seen(pieces, &jacobian, noise, &mut normal);
+        self.stay_inside(pieces, &jacobian, noise, &mut normal);
+        self.follow_shown(pieces, &jacobian, &mut normal);
         Some(normal)
     }
 
@@ -244,7 +275,7 @@ impl<'a> Problem<'a> {
         for ((q, _), Nearest { piece: k, t, opposed }) in self.field.samples.iter().zip(nearest) {
             let piece = &pieces[k];
             let v = q - jacobian.point(piece, t);
-            let across = Vector::new(-piece.direction.y, piece.direction.x);
+            let across = piece.across();
             // Within the edge only the distance across it counts; beyond its end, all of it.
             let inner = t > piece.share[0] && t < piece.share[1];
             let (r, w) = if inner {
@@ -261,16 +292,37 @@ impl<'a> Problem<'a> {
     fn stay_inside(&self, pieces: &[Piece], jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
         let p = self.parameters;
         for piece in pieces.iter().filter(|piece| piece.layer != Layer::Crease) {
-            let visible = piece.length * (piece.share[1] - piece.share[0]);
-            let count = (visible / self.field.spacing).ceil().max(1.0);
-            let weight = (visible / count / p.correlation).min(1.0);
-            for k in 0..count as usize {
-                let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
+            for (t, length) in piece.places(self.field.spacing) {
+                let weight = (length / p.correlation).min(1.0);
                 if let Some((out, gradient)) = self.field.outside(&jacobian.point(piece, t)) {
                     normal.add(piece, t, out, gradient, 0.0, noise, weight, p.tail, jacobian);
                 }
             }
         }
+    }
+
+    /// Rims should lie where the picture shows them. How well they do is for the picture's evidence to tell.
+    fn follow_shown(&self, pieces: &[Piece], jacobian: &Jacobian, normal: &mut Normal) {
+        let (residual, tail) = (normal.residual, self.parameters.tail);
+        for rim in &self.shown.places {
+            let Some(piece) = pieces.iter().find(|piece| rim.is_of(piece)) else {
+                continue;
+            };
+            let off = piece.across().dot(&(rim.place - jacobian.point(piece, rim.t)));
+            let spread = self.shown.spread;
+            normal.add(
+                piece,
+                rim.t,
+                off,
+                -piece.across(),
+                0.0,
+                spread,
+                rim.weight,
+                tail,
+                jacobian,
+            );
+        }
+        normal.residual = residual;
     }
 
     /// The density and its approximation about a state, ready for both its evidence and a step.
@@ -300,9 +352,9 @@ impl<'a> Problem<'a> {
     }
 
     pub(super) fn told(&self, state: State, evidence: &Evidence) -> Option<JointFit> {
-        let ring = self.ring(&state);
-        let axes = self.axes(&state);
-        let layers = self.layers(&ring, &axes)?;
+        let Laid {
+            ring, axes, layers, ..
+        } = self.laid(&state)?;
         let creases = (0..axes.len()).map(|k| layers.creased(k, &axes[k])).collect();
         let corners = self
             .template
@@ -325,9 +377,10 @@ impl<'a> Problem<'a> {
             centre: Point::from(state.offset),
             creases,
             surprise: evidence.surprise,
-            rim: RimEvidence::default(),
+            picture: PictureEvidence::default(),
             residual: evidence.residual,
             state,
+            shown: self.shown.clone(),
         })
     }
 }

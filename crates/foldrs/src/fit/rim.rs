@@ -11,37 +11,12 @@
 
 use super::field::SeenField;
 use super::layers::Piece;
+use super::picture::Picture;
 use crate::fold::Layer;
 use crate::parameters::RimParameters;
 use crate::{Point, Vector};
 
-/// Colour edges of a picture, and steps in height.
-#[derive(Debug, Clone)]
-pub struct Picture {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Structure tensor of the colours (xx, xy, yy) of every pixel, row by row.
-    pub tensor: Vec<[f32; 3]>,
-    /// The same of the heights above the table, if they are known.
-    pub steps: Option<Vec<[f32; 3]>>,
-    /// Pixels of this picture a unit of the seen outline (1 unless it was made smaller).
-    pub scale: f64,
-}
-
-/// What the rims of a fold say.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct RimEvidence {
-    /// Logarithm of how much more likely the picture is if this fold made it than if chance did, in nats.
-    pub gain: f64,
-    /// Logarithm of how much more likely the flap lies on top than below.
-    pub flap_on_top: f64,
-}
-
-/// A picture prepared for one garment: what edges chance gives within its cloth.
+/// The edges of a picture prepared for one garment: what chance gives of them within its cloth.
 #[derive(Debug)]
 pub(super) struct Rims<'a> {
     picture: &'a Picture,
@@ -106,24 +81,21 @@ impl<'a> Rims<'a> {
         chance
     }
 
-    /// The evidence of a folded model's pieces.
-    pub(super) fn evidence(&self, pieces: &[Piece], field: &SeenField) -> RimEvidence {
-        let flap = self.layer(&self.colours, pieces, Layer::Flap, field);
-        let kept = self.layer(&self.colours, pieces, Layer::Kept, field);
-        // Either layer may be on top: the mean of both likelihoods.
-        let most = flap.max(kept);
-        let gain = most + (((flap - most).exp() + (kept - most).exp()) / 2.0).ln();
-        let steps = self.steps.as_ref().map_or(0.0, |steps| {
+    /// How much likelier the edges of colour are if the flap's rims show than by chance, and if the kept part's do.
+    pub(super) fn colours(&self, pieces: &[Piece], field: &SeenField) -> [f64; 2] {
+        [Layer::Flap, Layer::Kept].map(|layer| self.layer(&self.colours, pieces, layer, field))
+    }
+
+    /// The evidence of steps in height, in nats; none where heights are unknown.
+    pub(super) fn steps(&self, pieces: &[Piece], field: &SeenField) -> f64 {
+        let of = |steps| {
             self.layer(steps, pieces, Layer::Flap, field) + self.layer(steps, pieces, Layer::Kept, field)
-        });
-        RimEvidence {
-            gain: self.bounded(gain) + self.bounded(steps),
-            flap_on_top: self.parameters.weight * (flap - kept),
-        }
+        };
+        self.steps.as_ref().map_or(0.0, |steps| self.bounded(of(steps)))
     }
 
     /// However well edges lie along a rim, a seam or a pocket may have made them: that bounds what they can say.
-    fn bounded(&self, gain: f64) -> f64 {
+    pub(super) fn bounded(&self, gain: f64) -> f64 {
         let p = self.parameters;
         p.mislead.ln_1p() - ((-p.weight * gain).exp() + p.mislead).ln()
     }

@@ -2,8 +2,9 @@
 
 use super::field::SeenField;
 use super::normal::Normal;
+use super::picture::{PictureEvidence, Sight};
+use super::place::ShownRims;
 use super::problem::{Evidence, Problem, State};
-use super::rim::{RimEvidence, Rims};
 use super::shape::FlexibleTemplate;
 use crate::parameters::FitParameters;
 use crate::{Point, Segment};
@@ -46,10 +47,12 @@ pub struct JointFit {
     /// Minus log evidence: how surprising the seen outline is under this template and crease, in nats.
     pub surprise: f64,
     /// What the picture says of it; nothing without a picture.
-    pub rim: RimEvidence,
+    pub picture: PictureEvidence,
     /// The part of it that comes from the distances between the outlines alone.
     pub residual: f64,
     pub(super) state: State,
+    /// Where the picture shows rims.
+    pub(super) shown: ShownRims,
 }
 
 impl JointFit {
@@ -165,34 +168,34 @@ pub(super) fn polished(
     fit: &JointFit,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, fit.start.clone(), parameters)?;
+    let mut problem = Problem::new(field, template, fit.start.clone(), parameters)?;
+    problem.shown = fit.shown.clone();
     let mut state = fit.state.clone();
     for _ in 0..parameters.polish_iterations {
         state = problem.step(&state, parameters.polish_noise)?;
     }
     let polished = problem.finish(state, parameters.polish_noise)?;
     Some(JointFit {
-        rim: fit.rim,
+        picture: fit.picture,
         surprise: fit.surprise,
         residual: fit.residual,
         ..polished
     })
 }
 
-/// The fit with what the picture says of its rims added to its evidence.
+/// The fit with what the picture says of it added to its evidence.
 pub(super) fn with_picture(
     field: &SeenField,
     template: &FlexibleTemplate,
     fit: &JointFit,
-    rims: &Rims,
+    sight: &Sight,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
     let problem = Problem::new(field, template, fit.start.clone(), parameters)?;
-    let layers = problem.layers(&problem.ring(&fit.state), &problem.axes(&fit.state))?;
-    let rim = rims.evidence(&layers.pieces, field);
+    let picture = sight.evidence(&problem.laid(&fit.state)?.layers, field);
     Some(JointFit {
-        rim,
-        surprise: fit.surprise - rim.gain,
+        picture,
+        surprise: fit.surprise - picture.gain,
         ..fit.clone()
     })
 }
