@@ -75,7 +75,8 @@ class Fold:
     axis_template: Points
     """(2, 2) template units; of a later fold it runs over the template folded by the earlier ones."""
     flap_on_top: bool | None = None
-    """Whether the flap lies on top of the kept part; None where it cannot be told."""
+    """Whether the flap lies on top of the kept part; None where it cannot be told. Of one fold the
+    joint fit calls the smaller part the flap: which of the two was turned over cannot be seen."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -232,3 +232,47 @@ fn the_picture_tells_how_far_a_flap_reaches_and_that_it_lies_on_top() {
         assert!(told.gain > 10.0 && told.flap_on_top > 10.0, "{told:?}");
     }
 }
+
+#[test]
+fn of_one_fold_the_smaller_part_is_the_flap() {
+    let parameters = Parameters::default();
+    let templates = [FlexibleTemplate::new(&shirt(), &[], &parameters.fit)];
+    for (side, turn, mirrored) in [
+        (1.0, 0.4, false),
+        (-1.0, 0.4, false),
+        (1.0, 2.0, true),
+        (-1.0, 2.0, true),
+    ] {
+        // Across the body: of the same line one part or the other is turned over.
+        let axis = [Point::new(-100.0 * side, 45.0), Point::new(100.0 * side, 48.0)];
+        let Some(scene) = scene(&axis, turn, mirrored) else {
+            panic!("the line folds the shirt once")
+        };
+        let known = KnownFold {
+            template: 0,
+            axis: scene.axis,
+            crease: scene.crease,
+            face: if mirrored { Face::Mirrored } else { Face::Seen },
+        };
+        let seen = Seen::new(scene.outline.clone(), &parameters);
+        let told = explain_from(&seen, &templates, &[known], Some(1.0), None, &parameters);
+        let lies = told[0].outline.iter().map(|p| told[0].to_seen.apply(p)).collect();
+        let unfolded = Outline::new(lies).unwrap();
+        let folded = fold(&unfolded, &told[0].creases[0]).unwrap();
+        assert!(folded.flap_area() <= 0.5 * unfolded.signed_area().abs());
+        // Its axis on the template is where its crease is.
+        for (on_template, in_image) in told[0].axes[0].iter().zip(&told[0].creases[0]) {
+            let ends = told[0].creases[0].iter();
+            let off = |end: &Point| (told[0].to_seen.apply(on_template) - end).norm();
+            assert!(ends.map(off).fold(f64::INFINITY, f64::min) < 1e-6, "{in_image}");
+        }
+        let seen_again = Outline::new(folded.outline.points.clone()).unwrap();
+        let area = |outline: &Outline| outline.signed_area().abs();
+        assert!((area(&seen_again) - area(&scene.outline)).abs() < 0.02 * area(&scene.outline));
+        let axis = Axis::new(&told[0].axes[0]).unwrap();
+        let left = told[0].outline.iter().filter(|p| axis.side(p) > 0.0).count();
+        let flap = unfolded.points().iter();
+        let crease = Axis::new(&told[0].creases[0]).unwrap();
+        assert_eq!(left, flap.filter(|p| crease.side(p) > 0.0).count());
+    }
+}

@@ -5,6 +5,7 @@ use super::{
     fit_starts, fit_unfolded, flap, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField,
     Start,
 };
+use crate::crease::Axis;
 use crate::hypothesis::Face;
 use crate::matching::{Claim, Seen};
 use crate::parameters::{FitParameters, Parameters};
@@ -16,6 +17,7 @@ use std::borrow::Cow;
 /// A template fitted jointly with its creases, in the units of the seen outline and of the template.
 ///
 /// Creases and axes are in the frame of the part that no fold turns over: each lies where it did when its fold was made.
+/// Of one fold the flap is the smaller part: which of the two was turned over cannot be seen.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -34,6 +36,21 @@ pub struct JointExplanation {
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub picture: PictureEvidence,
+}
+
+impl JointExplanation {
+    /// The same with what is turned over and what is kept interchanged: folded, both look and lie the same.
+    fn other_way_round(mut self) -> Option<Self> {
+        let crease = Axis::new(self.creases.first()?).ok()?;
+        let mirror = crease.direction * crease.direction.transpose() * 2.0 - Matrix2::identity();
+        self.to_seen = PlaneMap {
+            linear: mirror * self.to_seen.linear,
+            offset: crease.reflect(&Point::from(self.to_seen.offset)).coords,
+        };
+        self.axes.iter_mut().for_each(|axis| axis.reverse());
+        self.picture.flap_on_top = -self.picture.flap_on_top;
+        Some(self)
+    }
 }
 
 /// How many folds to undo.
@@ -286,10 +303,14 @@ impl<'a> Search<'a> {
         let told = |(t, fit): &(usize, JointFit)| {
             let told = explanation(*t, &self.templates[*t], fit, self.working, self.scale.is_some())?;
             let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
-            Some(JointExplanation {
+            let told = JointExplanation {
                 surprise: told.surprise + choice + flap::surprise(&shares, p.flap),
                 ..told
-            })
+            };
+            match shares[..] {
+                [turned] if turned > 0.5 => told.other_way_round(),
+                _ => Some(told),
+            }
         };
         let mut told: Vec<JointExplanation> = fits.iter().filter_map(told).collect();
         told.sort_by(|a, b| a.surprise.total_cmp(&b.surprise));

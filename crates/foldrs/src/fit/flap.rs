@@ -4,7 +4,7 @@ use crate::crease::Axis;
 use crate::stack::fold_ring;
 use crate::{Point, Segment};
 
-/// Share of the cloth that every fold turns over, that of the smaller side of its crease; `None` if one turns nothing.
+/// Share of the cloth that every fold turns over; `None` if one turns nothing.
 ///
 /// `creases` have the flap on their left, the first made first, and lie in the frame of the part no fold turns.
 pub(super) fn shares(ring: &[Point], creases: &[Segment], covered: f64) -> Option<Vec<f64>> {
@@ -16,15 +16,16 @@ pub(super) fn shares(ring: &[Point], creases: &[Segment], covered: f64) -> Optio
     let share = |fold: usize| {
         let turned = cloths.iter().zip(&areas);
         let turned: f64 = turned.filter(|(c, _)| c.turned.by(fold)).map(|(_, a)| a).sum();
-        (turned / all).min(1.0 - turned / all)
+        turned / all
     };
     Some((0..axes.len()).map(share).collect())
 }
 
-/// Minus log density of such shares, up to a constant, if it grows with a power of the share up to a half.
+/// Minus log density of such shares, up to a constant, if it grows with a power of the smaller side's share.
 pub(super) fn surprise(shares: &[f64], power: f64) -> f64 {
     let least = 1e-3; // a hem turned by a thread
-    shares.iter().map(|s| -power * (2.0 * s.max(least)).ln()).sum()
+    let smaller = shares.iter().map(|s| s.min(1.0 - s));
+    smaller.map(|s| -power * (2.0 * s.max(least)).ln()).sum()
 }
 
 #[cfg(test)]
@@ -32,10 +33,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_those_of_the_smaller_side() {
+    fn shares_are_those_of_what_is_turned_over() {
         let towel = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)].map(|(x, y)| Point::new(x, y));
         let at = |x: f64| [Point::new(x, 40.0), Point::new(x, 0.0)];
-        for (x, share) in [(45.0, 0.25), (15.0, 0.25), (30.0, 0.5)] {
+        for (x, share) in [(45.0, 0.25), (15.0, 0.75), (30.0, 0.5)] {
             let found = shares(&towel, &[at(x)], 0.5).unwrap();
             assert!((found[0] - share).abs() < 1e-9);
         }
@@ -48,5 +49,6 @@ mod tests {
         assert_eq!(surprise(&[0.5, 0.5], 2.0), 0.0);
         assert!(surprise(&[0.05], 2.0) > surprise(&[0.1], 2.0) + 1.0);
         assert_eq!(surprise(&[0.05], 0.0), 0.0);
+        assert!((surprise(&[0.2], 2.0) - surprise(&[0.8], 2.0)).abs() < 1e-12);
     }
 }
