@@ -244,9 +244,9 @@ class JointFitParameters:
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
     folded, a fold near a hem still takes up what the template's shape does not explain. Nine in ten
     outlines of flat garments gain less, nine in ten folded ones more."""
-    further_fold: float = 4.0
-    """Nats each further fold must gain: most of that has then been taken up. At 4 as many garments folded
-    once are taken for folded twice as the other way round."""
+    further_fold: float = 6.0
+    """Nats each further fold must gain: most of that has then been taken up. Of folds that turn the same part
+    over twice the picture shows no more than of one."""
     flap: float = 2.0
     """Power of the share of the cloth a fold turns over that its prior density grows with: who folds a
     garment turns over much of it, while a corner or cuff that a fold seems to turn in mostly lies so by

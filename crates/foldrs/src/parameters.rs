@@ -266,7 +266,7 @@ impl Default for FitParameters {
             earlier_shift: 1.0,
             earlier_skew: 0.1,
             first_fold: 16.0,
-            further_fold: 4.0,
+            further_fold: 6.0,
             flap: 2.0,
             noise: 0.6,
             bow: 0.01,
