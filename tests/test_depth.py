@@ -226,5 +226,6 @@ def test_tensors_of_two_shapes_are_refused() -> None:
     seen = _core.Seen(TOWEL.outline * 4 + 200, parameters)
     flexible = flexible_template(TOWEL, parameters)
     colours, steps = np.zeros((40, 60, 3), np.float32), np.zeros((40, 50, 3), np.float32)
+    picture = (colours, 1.0, steps, None)
     with pytest.raises(ValueError, match="one shape"):
-        _core.fit_jointly(seen, [TOWEL.outline], [flexible], 1, False, 4.0, (colours, 1.0, steps))
+        _core.fit_jointly(seen, [TOWEL.outline], [flexible], 1, False, 4.0, picture)

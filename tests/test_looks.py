@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 
 import cv2
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 import foldrs
+from foldrs import _core
+from foldrs.joint_fit import flexible_template
 from foldrs.looks import Looks, looks_of
-from foldrs.parameters import PictureParameters
+from foldrs.parameters import MatchingParameters, PictureParameters
 
 WIDTH, HEIGHT = 300, 240
 CLOTH = np.array([[30, 40], [270, 40], [270, 200], [30, 200]], float)
@@ -118,3 +121,21 @@ def test_what_the_flap_covers_tells_how_far_it_reaches() -> None:
     assert result.fold is not None
     assert np.ptp(result.unfolded_outline_image[:, 0]) / 4 == pytest.approx(68, abs=2.5)
     assert result.fold.flap_on_top is True
+
+
+@pytest.mark.parametrize(("scale", "origin"), [(0.0, (0.0, 0.0)), (1.0, (np.nan, 0.0)), (np.inf, (0.0, 0.0))])
+def test_looks_that_lie_nowhere_are_refused(scale: float, origin: tuple[float, float]) -> None:
+    parameters = asdict(MatchingParameters())
+    towel = foldrs.builtin_templates("towel")[0]
+    seen = _core.Seen(towel.outline * 4 + 200, parameters)
+    edges, look = np.zeros((40, 60, 3), np.float32), np.zeros((40, 60), np.uint8)
+    with pytest.raises(ValueError, match="scale of looks"):
+        _core.fit_jointly(
+            seen,
+            [towel.outline],
+            [flexible_template(towel, parameters)],
+            1,
+            False,
+            4.0,
+            (edges, 1.0, None, (look, scale, origin)),
+        )
