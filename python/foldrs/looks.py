@@ -62,11 +62,11 @@ def looks_of(rgb: NDArray[np.uint8], outline: NDArray[np.float64], parameters: P
     if np.count_nonzero(inner) < parameters.fewest_seen:
         look = np.zeros(cloth.shape, np.uint8)
     else:
-        look = _clusters(_features(small, cloth, unit), inner, parameters)
+        look = _clusters(_features(small, cloth, unit, parameters.no_slope), inner, parameters)
     return Looks(look, scale, (float(low[0]), float(low[1])))
 
 
-def _features(rgb: NDArray[np.uint8], cloth: NDArray[np.uint8], blur: float) -> Channels:
+def _features(rgb: NDArray[np.uint8], cloth: NDArray[np.uint8], blur: float, no_slope: float) -> Channels:
     """Colour, how busy it is, and which way the pattern runs, smoothed within the cloth: (h, w, 8)."""
     weight = cloth.astype(np.float32)
 
@@ -82,16 +82,9 @@ def _features(rgb: NDArray[np.uint8], cloth: NDArray[np.uint8], blur: float) -> 
     lightness = cv2.GaussianBlur(lab[:, :, 0], (0, 0), 1.0)
     x, y = (cv2.Sobel(lightness, cv2.CV_32F, *along, scale=1 / 8) for along in ((1, 0), (0, 1)))
     # Twice the angle of the slope: opposite slopes are one direction. Noise has none.
-    steep = np.hypot(x, y) + np.float32(_NO_SLOPE)
+    steep = np.hypot(x, y) + np.float32(no_slope)
     runs = np.stack([(x * x - y * y) / steep, 2 * x * y / steep], axis=-1)
     return smooth(np.concatenate([lab, busy, runs], axis=-1))
-
-
-_NO_SLOPE = 0.3
-"""CIELAB units a pixel below which a slope has no direction."""
-
-_MEANS_NOTHING = np.array([2.0, 1.5, 1.5, 0.5, 0.4, 0.4, 0.3, 0.3], np.float32)
-"""Spreads of the features, in their order, that mean nothing: light and noise of a plain cloth."""
 
 
 def _clusters(
@@ -99,7 +92,9 @@ def _clusters(
 ) -> NDArray[np.uint8]:
     """Cluster the features of the inner cloth, and give every pixel the nearest cluster."""
     seen = features[inner]
-    features = (features - seen.mean(axis=0)) / (seen.std(axis=0) + _MEANS_NOTHING)
+    features = (features - seen.mean(axis=0)) / (
+        seen.std(axis=0) + np.array(parameters.means_nothing, np.float32)
+    )
     seen = features[inner]
     sample = np.ascontiguousarray(seen[:: max(1, len(seen) // parameters.look_samples)])
     # Begun with slices across the main direction, not with chance: the same picture has the same looks.

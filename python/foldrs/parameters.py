@@ -319,8 +319,8 @@ class RimParameters:
     """Odds that edges along a predicted rim are something else's (a seam, a pocket): they bound the
     evidence."""
     weight: float = 0.6
-    """Weight of the picture against the outline; 0 leaves the picture out. Chance edges come in runs, which
-    makes the picture surer of itself than it should be."""
+    """Weight of the edges against the outline; 0 leaves them out. Chance edges come in runs, which makes them
+    surer of themselves than they should be."""
 
 
 @dataclass(frozen=True)
@@ -448,6 +448,11 @@ class PictureParameters:
     of half a centimetre are two pixels then."""
     look_blur: float = 0.015
     """Spread over which a place's look is told, as a share of that root: three quarters of a centimetre."""
+    no_slope: float = 0.3
+    """CIELAB units a pixel below which a slope has no direction: noise."""
+    means_nothing: tuple[float, ...] = (2.0, 1.5, 1.5, 0.5, 0.4, 0.4, 0.3, 0.3)
+    """Spreads that mean nothing, of lightness and two of colour, of how busy each is, and of the two parts of
+    direction: light and noise of plain cloth."""
     looks: int = 6
     """How many looks are told apart: two faces, with their light and shadow. 4 are too few, 9 the same."""
     look_samples: int = 1500

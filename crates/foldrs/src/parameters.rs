@@ -315,7 +315,7 @@ pub struct RimParameters {
     pub sharpness: f64,
     /// Odds that edges along a predicted rim are something else's (a seam, a pocket): they bound the evidence.
     pub mislead: f64,
-    /// Weight of the picture against the outline; 0 leaves the picture out.
+    /// Weight of the edges against the outline; 0 leaves them out.
     pub weight: f64,
 }
 

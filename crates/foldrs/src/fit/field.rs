@@ -23,16 +23,12 @@ pub(super) struct Grid {
     /// Distance of two nodes.
     pub(super) cell: f64,
     pub(super) columns: usize,
-    rows: usize,
+    pub(super) rows: usize,
     /// The distances, row by row; positive outside.
     pub(super) distance: Vec<f64>,
 }
 
 impl Grid {
-    pub(super) fn rows(&self) -> usize {
-        self.rows
-    }
-
     /// Where a node lies.
     pub(super) fn node(&self, k: usize) -> Point {
         self.low + Vector::new((k % self.columns) as f64, (k / self.columns) as f64) * self.cell
@@ -77,12 +73,12 @@ impl SeenField {
         &self.grid
     }
 
-    /// The grid's nodes that lie at least `depth` within the outline.
-    pub(super) fn nodes_within(&self, depth: f64) -> impl Iterator<Item = Point> + '_ {
+    /// The grid's nodes that lie at least `depth` within the outline, with their indices.
+    pub(super) fn nodes_within(&self, depth: f64) -> impl Iterator<Item = (usize, Point)> + '_ {
         let nodes = self.grid.distance.iter().enumerate();
         nodes
             .filter(move |(_, d)| **d < -depth)
-            .map(|(k, _)| self.grid.node(k))
+            .map(|(k, _)| (k, self.grid.node(k)))
     }
 
     /// Distance of a point outside the outline and its gradient; `None` within.

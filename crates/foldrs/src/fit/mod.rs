@@ -78,7 +78,7 @@ fn fit_starts(
         fine = best_first(parallel::map(&fine, |(t, fit)| {
             solve::with_picture(field, of(*t), fit, sight, parameters).map(|fit| (*t, fit))
         }));
-        let few = fine.len().min(sight.placed());
+        let few = fine.len().min(sight.region.placed);
         let placed = parallel::map(&fine[..few], |(t, fit)| {
             place::placed(field, of(*t), fit, sight, parameters)
         });

@@ -106,9 +106,4 @@ impl<'a> Sight<'a> {
             flap_on_top: self.rim.weight * (edges[0] - edges[1]) + looks[0] - looks[1],
         }
     }
-
-    /// How many of the best fits have their rims looked for.
-    pub(super) fn placed(&self) -> usize {
-        self.region.placed
-    }
 }

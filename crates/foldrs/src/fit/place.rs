@@ -6,9 +6,9 @@
 
 use super::field::SeenField;
 use super::layers::Piece;
-use super::normal::Factored;
+use super::normal::{Factored, Jacobian};
 use super::picture::Sight;
-use super::problem::{Problem, State};
+use super::problem::{Laid, Problem, State};
 use super::shape::FlexibleTemplate;
 use super::solve::JointFit;
 use crate::fold::Layer;
@@ -89,22 +89,17 @@ fn open_directions(problem: &Problem, state: &State, here: &Factored, sight: &Si
     let variables = here.gradient.len();
     let mut moments = DMatrix::zeros(variables, variables);
     let (mut row, mut total) = (Vec::new(), 0.0);
-    for piece in laid.layers.pieces.iter().filter(|p| p.layer != Layer::Crease) {
-        for (t, length) in piece.places(problem.field.spacing) {
-            if problem.field.at(&jacobian.point(piece, t)).0 > -sight.region.inside {
-                continue;
-            }
-            row.clear();
-            jacobian.row(piece, t, piece.across(), variables, &mut row);
-            let mut moved = DVector::zeros(variables);
-            for &(variable, by) in &row {
-                moved[variable] += by;
-            }
-            // In the variables in which the fit's covariance is one.
-            if lower.solve_lower_triangular_mut(&mut moved) {
-                moments.ger(length, &moved, &moved, 1.0);
-                total += length;
-            }
+    for rim in rims_within(problem, &laid, &jacobian, sight).filter(|rim| rim.piece.layer != Layer::Crease) {
+        row.clear();
+        jacobian.row(rim.piece, rim.t, rim.piece.across(), variables, &mut row);
+        let mut moved = DVector::zeros(variables);
+        for &(variable, by) in &row {
+            moved[variable] += by;
+        }
+        // In the variables in which the fit's covariance is one.
+        if lower.solve_lower_triangular_mut(&mut moved) {
+            moments.ger(rim.length, &moved, &moved, 1.0);
+            total += rim.length;
         }
     }
     if total <= 0.0 {
@@ -177,22 +172,43 @@ fn rims_on_top(problem: &Problem, state: &State, sight: &Sight) -> Option<Vec<Sh
     } else {
         Layer::Kept
     };
-    let mut rims = Vec::new();
-    for piece in laid.layers.pieces.iter().filter(|piece| piece.layer == on_top) {
-        for (t, length) in piece.places(problem.field.spacing) {
-            let place = jacobian.point(piece, t);
-            if problem.field.at(&place).0 < -sight.region.inside {
-                rims.push(ShownRim {
-                    source: piece.source,
-                    turned: piece.turned,
-                    t,
-                    place,
-                    weight: length / problem.parameters.correlation,
-                });
-            }
-        }
-    }
-    Some(rims)
+    let shown = |rim: Rim| ShownRim {
+        source: rim.piece.source,
+        turned: rim.piece.turned,
+        t: rim.t,
+        place: rim.place,
+        weight: rim.length / problem.parameters.correlation,
+    };
+    let rims = rims_within(problem, &laid, &jacobian, sight);
+    Some(rims.filter(|rim| rim.piece.layer == on_top).map(shown).collect())
+}
+
+/// A place of a model's boundary within the cloth.
+struct Rim<'a> {
+    piece: &'a Piece,
+    t: f64,
+    place: Point,
+    /// The length it stands for.
+    length: f64,
+}
+
+/// Places along all of a model's boundary as far as it lies within the cloth.
+fn rims_within<'a>(
+    problem: &'a Problem,
+    laid: &'a Laid,
+    jacobian: &'a Jacobian,
+    sight: &'a Sight,
+) -> impl Iterator<Item = Rim<'a>> {
+    let along = move |piece: &'a Piece| {
+        piece.places(problem.field.spacing).map(move |(t, length)| Rim {
+            piece,
+            t,
+            place: jacobian.point(piece, t),
+            length,
+        })
+    };
+    let all = laid.layers.pieces.iter().flat_map(along);
+    all.filter(move |rim| problem.field.at(&rim.place).0 < -sight.region.inside)
 }
 
 /// The likeliest of a few iterations with the rims held. How surely the picture places them counts in the volume of

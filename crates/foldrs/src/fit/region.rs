@@ -18,8 +18,6 @@ pub(super) struct Regions {
     cell: f64,
     columns: usize,
     rows: usize,
-    /// How many different looks there are.
-    looks: usize,
     /// For every look, how many nodes of a row have it before a column; row by row, each of one more than the columns.
     before: Vec<Vec<f64>>,
     /// How many nodes have each look.
@@ -48,7 +46,8 @@ impl Regions {
         parameters: &RegionParameters,
     ) -> Option<Self> {
         let grid = field.grid();
-        let nodes = nodes_within(grid, looks, unit, parameters.inside);
+        let look = |(k, node): (usize, Point)| Some((k, looks.at(&(node * unit))?));
+        let nodes: Vec<(usize, u8)> = field.nodes_within(parameters.inside).filter_map(look).collect();
         let kinds = nodes
             .iter()
             .map(|&(_, look)| usize::from(look) + 1)
@@ -56,7 +55,7 @@ impl Regions {
             .unwrap_or(0);
         let mut all = vec![0.0; kinds];
         let width = grid.columns + 1;
-        let mut before = vec![vec![0.0; width * grid.rows()]; kinds];
+        let mut before = vec![vec![0.0; width * grid.rows]; kinds];
         for &(k, look) in &nodes {
             all[usize::from(look)] += 1.0;
             before[usize::from(look)][k / grid.columns * width + k % grid.columns + 1] += 1.0;
@@ -76,8 +75,7 @@ impl Regions {
             low: grid.low,
             cell: grid.cell,
             columns: grid.columns,
-            rows: grid.rows(),
-            looks: kinds,
+            rows: grid.rows,
             before,
             all,
             patches: count * (grid.cell / parameters.patch).powi(2),
@@ -96,7 +94,7 @@ impl Regions {
             let along = |&(k, look): &(usize, u8)| (grid.node(k).coords.dot(&Vector::new(cos, sin)), look);
             let mut order: Vec<(f64, u8)> = nodes.iter().map(along).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (mut within, mut from) = (vec![0.0; self.looks], 0);
+            let (mut within, mut from) = (vec![0.0; self.all.len()], 0);
             for share in SHARES {
                 let until = (share * order.len() as f64) as usize;
                 for (_, look) in &order[from..until] {
@@ -148,7 +146,7 @@ impl Regions {
 
     /// How many nodes of each look lie within any of some rings.
     fn within(&self, rings: &[Vec<Point>]) -> Vec<f64> {
-        let mut within = vec![0.0; self.looks];
+        let mut within = vec![0.0; self.all.len()];
         let (mut crossings, mut spans) = (Vec::with_capacity(8), Vec::with_capacity(8));
         for row in 0..self.rows {
             let y = self.low.y + row as f64 * self.cell;
@@ -179,17 +177,6 @@ impl Regions {
             .ceil()
             .clamp(0.0, self.columns as f64) as usize
     }
-}
-
-/// The nodes at least `inside` within the outline, by their index, and how they look.
-fn nodes_within(grid: &Grid, looks: &Looks, unit: f64, inside: f64) -> Vec<(usize, u8)> {
-    let deep = grid
-        .distance
-        .iter()
-        .enumerate()
-        .filter(|(_, distance)| **distance < -inside);
-    deep.filter_map(|(k, _)| Some((k, looks.at(&(grid.node(k) * unit))?)))
-        .collect()
 }
 
 /// Where a closed ring crosses a line of equal y; an even number of places.

@@ -72,7 +72,7 @@ impl<'a> Rims<'a> {
             .map(|a| Vector::new(a.cos(), a.sin()))
             .collect();
         let mut chance = Vec::new();
-        for p in field.nodes_within(self.parameters.inside) {
+        for (_, p) in field.nodes_within(self.parameters.inside) {
             for n in &directions {
                 chance.push(self.strength(edges, &p, n));
             }
