@@ -288,6 +288,30 @@ def test_a_large_print_on_a_large_towel_is_no_garment() -> None:
     assert iou(find_outline(picture).points, towel) > 0.97
 
 
+def test_a_board_among_things_is_no_garment() -> None:
+    picture = photograph(cloth=(120, 170, 200))
+    rng = np.random.default_rng(5)
+    board = np.zeros((HEIGHT, WIDTH), bool)
+    board[40:450, 90:560] = True
+    around = np.where(np.arange(HEIGHT)[:, None] // 6 % 2 == 0, 210.0, 90.0) + rng.normal(
+        0, 8, (HEIGHT, WIDTH)
+    )
+    picture = np.where(board[..., None], picture, np.clip(around, 0, 255).astype(np.uint8)[..., None])
+    cv2.line(picture, (600, 0), (580, 300), (30, 20, 20), 9, cv2.LINE_AA)
+    cv2.circle(picture, (30, 440), 40, (20, 20, 25), cv2.FILLED)
+    assert iou(find_outline(picture).points, PULLOVER) > 0.95
+
+
+def test_a_large_shirt_with_a_print_is_no_table() -> None:
+    shirt = np.array(
+        [[190, 40], [450, 40], [520, 110], [480, 150], [450, 130], [455, 450], [185, 450], [190, 130]]
+    )
+    picture = photograph(shape=shirt, cloth=(35, 35, 45), table=(200, 180, 90), grain=8)
+    cv2.ellipse(picture, (360, 160), (48, 30), 20, 0, 360, (230, 60, 50), cv2.FILLED)
+    assert filled(shirt).mean() > OutlineParameters().whole_table_share
+    assert iou(find_outline(picture).points, shirt.astype(float)) > 0.96
+
+
 def test_garment_too_small() -> None:
     mask = np.zeros((200, 200), bool)
     mask[90:110, 90:110] = True

@@ -20,6 +20,77 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
+class CandidateParameters:
+    """Stage 0 where it is not clear what the table is: all that may be the garment, and which of it is.
+
+    The weights were told by a regression over candidates in real photographs and in rendered rooms, and
+    rounded. Coarse px, deviations and colours are those of :class:`OutlineParameters`.
+    """
+
+    usual_gradient: float = 1.5
+    """Change of colour from pixel to pixel that is no barrier, in medians of the picture's: grain, weave."""
+    lowest_barrier: float = 5.0
+    """Least change of colour on every way from the border for something to be enclosed, CIELAB units."""
+    opening: float = 2.0
+    """Radius up to which threads are taken off what is enclosed, coarse px: rims of things the border cuts,
+    not sleeves."""
+    table_colours: int = 6
+    """Colours of the picture that may each be the table's."""
+    least_table: float = 0.05
+    """Share of the picture that a part of one colour must have to be taken for a table."""
+    least_deviation: float = 2.5
+    """Least deviation from a table at which things on it are looked for."""
+    deviations: int = 10
+    """Thresholds of the deviation looked at, up to `surprise_limit`."""
+    least_object: float = 0.008
+    """Share of the picture below which a candidate is a speck."""
+    ring_reach: float = 14.0
+    """Distance from a candidate up to which the table around it is looked at, coarse px."""
+    strip: tuple[float, float] = (1.5, 7.0)
+    """Depths between which a candidate's own colours are looked at, coarse px: beyond the blur of its rim."""
+    even_deviation: float = 3.0
+    """Deviation up to which what is around a candidate looks like one table."""
+    clear_weight: float = 2.5
+    """Weight of the logarithm of a candidate's clearness."""
+    even_weight: float = 11.0
+    """Weight of the evenness of the table around it."""
+    cut_off_weight: float = 40.0
+    """Weight of the share of its rim on the border of the picture."""
+    centre_weight: float = 6.0
+    """Weight of the square of its distance from the picture's middle, in half sides."""
+    size_weight: float = 0.7
+    """Weight of the square of the logarithm of its size over the usual one."""
+    usual_share: float = 0.14
+    """Usual share of the picture that a garment takes."""
+    least_clearness: float = 3.0
+    """Clearness below which nothing stands out: shadows."""
+    least_evenness: float = 0.7
+    """Evenness of the table around below which it is no table, but several things."""
+    least_cut_off: float = 0.02
+    """Share of its rim on the border up to which a candidate is whole."""
+    table_likeness: float = 0.88
+    """Overlap with a quadrilateral from which what bears something is rather a table than a garment."""
+    table_weight: float = 35.0
+    """Difference in likeness that each whole of that overlap counts as."""
+    least_borne: float = 0.05
+    """Share of a table that a thing upon it covers at least: a motif on a towel is smaller."""
+    most_borne: float = 0.75
+    """Share of a table that a thing upon it covers at most: more is the same thing, seen less well."""
+    most_print: float = 0.5
+    """Share of a garment that a print upon it covers at most."""
+    bearer: float = 4.0
+    """How much less a garment may look like a thing on a table than the print on it does."""
+    no_table: float = 0.75
+    """Overlap with a quadrilateral below which something is no table, whole or cut off by the border."""
+    most_cut_off: float = 0.25
+    """Share of its rim on the border up to which what bears a print may be a garment cut off."""
+    rival: float = 3.0
+    """How much less another thing may look like one on a table and be meant as well."""
+    same_table: float = 5.0
+    """Difference of colour up to which two objects lie on the same table, CIELAB units."""
+
+
+@dataclass(frozen=True)
 class OutlineParameters:
     """Stage 0: from the photograph to the outline (section 2.1).
 
@@ -61,28 +132,14 @@ class OutlineParameters:
     """Parts below this share of the largest are specks and are dropped."""
     like_size_share: float = 0.5
     """A second object of this share of the largest makes it unclear which is meant."""
-    usual_gradient: float = 1.5
-    """Change of colour from pixel to pixel that is no barrier, in medians of the picture's: grain, weave."""
-    lowest_barrier: float = 5.0
-    """Least change of colour on every way from the border for something to be an object, CIELAB units."""
-    enclosed_opening: float = 2.0
-    """Radius up to which threads are taken off enclosed objects, coarse px: rims of things the border cuts,
-    not sleeves."""
-    least_enclosed: float = 0.008
-    """Share of the picture below which an enclosed object is a speck."""
-    enclosed_contrast: float = 3.0
-    """Change of colour across the rim of an enclosed object that four fifths of it show, CIELAB units a
-    coarse px: knots and shadows have soft rims."""
-    enclosed_ring: float = 26.0
-    """Distance from an enclosed object up to which the table is learnt, coarse px."""
     whole_table_share: float = 0.3
     """Share of the picture from which a quadrilateral may be a table seen whole; garments are smaller."""
     quadrilateral: float = 0.82
-    """Overlap with a quadrilateral from which an object is one: things stand on a table's edges."""
-    least_borne: float = 0.04
-    """Share of a table that a thing upon it covers at least: a motif on a towel is smaller."""
-    same_table: float = 8.0
-    """Difference of colour up to which two objects lie on the same table, CIELAB units."""
+    """Overlap with a quadrilateral from which what stands out may be one: things stand on a table's edges."""
+    table_reach: float = 26.0
+    """Distance from a candidate up to which the table around it is learnt for the cut, coarse px."""
+    candidates: CandidateParameters = field(default_factory=CandidateParameters)
+    """Where it is not clear what the table is."""
     cut_rounds: int = 3
     """Rounds of relearning colours and cutting (GrabCut): two leave pale cloth around a print out."""
     cut_margin: float = 12.0

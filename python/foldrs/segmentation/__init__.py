@@ -5,7 +5,8 @@ strong as those of the cloth, so colours are compared with those of the table in
 coarse to fine: what deviates from the table (`table`), a graph cut over colours and edges (`cut`), and
 twice the outline moved onto the rim (`rim`), in the coarse and then in the fine picture.
 
-Where the picture shows more than the table, the first step is another: what the table encloses (`enclosed`).
+Where the first step finds no garment on a table, for the picture shows more than the table, all that may be
+one is listed (`candidates`) and the likeliest taken (`choice`).
 """
 
 from __future__ import annotations
@@ -18,16 +19,16 @@ import numpy as np
 from ..errors import GarmentTooSmallError, NoGarmentError, SeveralGarmentsError
 from ..image import Mask, RgbImage, as_rgb
 from ..parameters import OutlineParameters
+from .candidates import candidates
+from .choice import Candidate, chosen, looked_at
 from .cut import cut
-from .enclosed import Enclosed, enclosed_object, table_around
-from .masks import is_part, largest_part, overlap, part_over, resized, single_object, tidied, touches_border
+from .masks import largest_part, likeness_to_quadrilateral, part_over, resized, single_object, tidied
 from .rim import snap_to_rim
-from .table import FloatImage, tell_cloth
+from .table import FloatImage, table_around, tell_cloth
 
 __all__ = ["refined", "segment"]
 
-_SAME = 0.5  # overlap (IoU) from which a table seen whole is what stands out
-_MOSTLY = 0.5  # share of an object within what stands out that is a part of it
+_NOTHING = "Nothing stands out from the table: use a table of another colour or more light, or pass a mask."
 _LEAST_SIDE = 24  # px of the coarse picture: below, a frame and a garment do not both fit
 
 
@@ -73,18 +74,32 @@ def segment(rgb: RgbImage, parameters: OutlineParameters | None = None) -> Mask:
 def _roughly(lab: FloatImage, parameters: OutlineParameters) -> Mask:
     """Tell the cloth, to within a few px, from a table that fills the picture, or else from one within it."""
     p = parameters
+    doubt: NoGarmentError | SeveralGarmentsError | None = None
+    standing_out = None
     try:
         mask = _on_table_all_over(lab, p)
-    except (NoGarmentError, SeveralGarmentsError):
-        within = _on_table_within(lab, None, p)
-        if within is None:
-            raise
-        return within
-    # What the border cuts may be anything, and so large an object a table seen whole.
-    if touches_border(mask) or mask.mean() >= p.whole_table_share:
-        within = _on_table_within(lab, mask, p)
-        return mask if within is None else within
-    return mask
+    except (NoGarmentError, SeveralGarmentsError) as error:
+        doubt = error
+    else:
+        standing_out = looked_at(lab, mask, p)
+        if standing_out is not None and _is_garment(standing_out, p):
+            return mask
+    seen = (looked_at(lab, candidate, p) for candidate in candidates(lab, p))
+    best = chosen([one for one in (standing_out, *seen) if one is not None], p)
+    if best is None:
+        raise doubt or NoGarmentError(_NOTHING)
+    if best is standing_out:
+        return best.mask
+    improved = tidied(cut(table_around(lab, best.mask, p), best.mask, p), p.opening)
+    return part_over(improved, best.mask)
+
+
+def _is_garment(one: Candidate, parameters: OutlineParameters) -> bool:
+    """Whether what stands out from the border of the picture is whole, on an even table, and none itself."""
+    p, c = parameters, parameters.candidates
+    if not one.stands_out(c) or not one.is_whole(c):
+        return False
+    return one.share < p.whole_table_share or likeness_to_quadrilateral(one.mask) < p.quadrilateral
 
 
 def _on_table_all_over(lab: FloatImage, parameters: OutlineParameters) -> Mask:
@@ -92,46 +107,10 @@ def _on_table_all_over(lab: FloatImage, parameters: OutlineParameters) -> Mask:
     p = parameters
     standing_out, seen = tell_cloth(lab, p)
     if not standing_out.any() or np.median(seen.deviation[standing_out]) < p.least_surprise:
-        raise NoGarmentError(
-            "Nothing stands out from the table: use a table of another colour or more light, or pass a mask."
-        )
+        raise NoGarmentError(_NOTHING)
     guess = single_object(standing_out, p, p.merge_gap)
     _check_extent(guess, p)
     return single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap)
-
-
-def _on_table_within(
-    lab: FloatImage, standing_out: Mask | None, parameters: OutlineParameters
-) -> Mask | None:
-    """Tell the cloth from a table somewhere in the picture.
-
-    `standing_out` is what stands out from the border of the picture. None where nothing is enclosed, or
-    only a part of that.
-    """
-    p = parameters
-    try:
-        found = enclosed_object(lab, p)
-    except SeveralGarmentsError:
-        if standing_out is not None and standing_out.mean() < p.whole_table_share:
-            return None  # prints on a garment that the border touches
-        raise
-    if found is None:
-        return None
-    cloth, table = found
-    if standing_out is not None and _is_part(cloth.mask, standing_out, table, p):
-        return None
-    improved = tidied(cut(table_around(lab, cloth.mask, p), cloth.mask, p), p.opening)
-    return part_over(improved, cloth.mask)
-
-
-def _is_part(mask: Mask, standing_out: Mask, table: Enclosed | None, parameters: OutlineParameters) -> bool:
-    """Whether an enclosed object is but a part, a print, of what stands out from the picture's border."""
-    large = standing_out.mean() >= parameters.whole_table_share
-    if touches_border(standing_out) and (large or table is not None):
-        return False
-    if table is not None:
-        return overlap(table.mask, standing_out) < _SAME
-    return is_part(mask, standing_out, _MOSTLY)
 
 
 def refined(rgb: RgbImage, mask: Mask, parameters: OutlineParameters | None = None) -> Mask:

@@ -61,8 +61,20 @@ def colour_mixture(colours: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     (1, 65) float64
         Five weights, five means, five covariances.
     """
+    groups = split_colours(colours, _COMPONENTS)
+    weights, means = np.zeros(_COMPONENTS), np.zeros((_COMPONENTS, 3))
+    covariances = np.tile(np.eye(3), (_COMPONENTS, 1, 1))
+    for k, group in enumerate(groups):
+        weights[k] = len(group) / len(colours)
+        means[k] = group.mean(axis=0)
+        covariances[k] = _scatter(group) / len(group) + 0.5 * np.eye(3)
+    return np.concatenate([weights, means.ravel(), covariances.ravel()])[None]
+
+
+def split_colours(colours: npt.NDArray[np.float64], number: int) -> list[npt.NDArray[np.float64]]:
+    """Split colours, (n, 3), into at most `number` groups: always the widest, across its widest direction."""
     groups = [colours]
-    while len(groups) < _COMPONENTS:
+    while len(groups) < number:
         scatters = [np.linalg.eigh(_scatter(group)) for group in groups]
         widest = int(np.argmax([values[-1] for values, _ in scatters]))
         if scatters[widest][0][-1] <= 0:
@@ -74,13 +86,7 @@ def colour_mixture(colours: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
             groups.append(group)
             break
         groups += [group[~above], group[above]]
-    weights, means = np.zeros(_COMPONENTS), np.zeros((_COMPONENTS, 3))
-    covariances = np.tile(np.eye(3), (_COMPONENTS, 1, 1))
-    for k, group in enumerate(groups):
-        weights[k] = len(group) / len(colours)
-        means[k] = group.mean(axis=0)
-        covariances[k] = _scatter(group) / len(group) + 0.5 * np.eye(3)
-    return np.concatenate([weights, means.ravel(), covariances.ravel()])[None]
+    return groups
 
 
 def _scatter(colours: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

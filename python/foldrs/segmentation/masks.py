@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -95,15 +97,31 @@ def refuse_like_sizes(areas: npt.ArrayLike, parameters: OutlineParameters) -> No
         )
 
 
+def parts(mask: Mask, least_share: float) -> Iterator[Mask]:
+    """Yield the connected parts of `mask` that are at least that share of the picture."""
+    labels, areas = _parts(mask)
+    for label in 1 + np.flatnonzero(areas >= least_share * mask.size):
+        yield np.equal(labels, label)
+
+
 def overlap(one: Mask, other: Mask) -> float:
     """Intersection over union; 0 of nothing."""
     return int(np.count_nonzero(one & other)) / max(1, int(np.count_nonzero(one | other)))
 
 
-def is_part(one: Mask, other: Mask, within: float) -> bool:
-    """Whether at least that share of `one` lies within `other`, and leaves a quarter of it free or more."""
-    shared = int(np.count_nonzero(one & other))
-    return bool(within * np.count_nonzero(one) < shared < 0.75 * np.count_nonzero(other))
+def likeness_to_quadrilateral(mask: Mask) -> float:
+    """Overlap of a mask and the quadrilateral its hull simplifies to; 0 if that has other corners."""
+    corners = hull(mask)
+    length = cv2.arcLength(corners, closed=True)
+    for tolerance in np.linspace(0.01, 0.15, 15):
+        corners = np.asarray(cv2.approxPolyDP(corners, tolerance * length, closed=True), np.int32)
+        if len(corners) <= 4:
+            break
+    if len(corners) != 4:
+        return 0.0
+    drawn = np.zeros(mask.shape, np.uint8)
+    cv2.fillConvexPoly(drawn, corners, 1)
+    return overlap(mask, drawn > 0)
 
 
 def touches_border(mask: Mask) -> bool:

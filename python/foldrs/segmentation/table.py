@@ -79,6 +79,23 @@ def squared_length(colours: FloatImage) -> FloatImage:
     )
 
 
+def table_around(lab: FloatImage, mask: Mask, parameters: OutlineParameters) -> Surprise:
+    """Compare a picture with the table seen close around an object.
+
+    Parameters
+    ----------
+    lab : (h, w, 3) float32
+        CIELAB, coarse px.
+    mask : (h, w) bool
+        The object.
+    parameters : OutlineParameters
+    """
+    wide, narrow = (
+        cv2.dilate(mask.astype(np.uint8), disc(by)) > 0 for by in (parameters.table_reach, parameters.rim_gap)
+    )
+    return surprise(lab, wide & ~narrow, parameters)
+
+
 def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Surprise]:
     """First guess of the cloth: what deviates from the table along the border, then from all of the table.
 
@@ -89,9 +106,7 @@ def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Su
     surprise : Surprise
         Distance from the table as finally learnt.
     """
-    frame = max(2, round(parameters.frame_share * min(lab.shape[:2])))
-    table = np.ones(lab.shape[:2], np.bool_)
-    table[frame:-frame, frame:-frame] = False
+    table = table_along_border(lab.shape[:2], parameters)
     seen = surprise(lab, table, parameters)
     cloth = _standing_out(seen.deviation, parameters)
     near = cv2.dilate(largest_part(cloth).astype(np.uint8), disc(parameters.table_margin)) > 0
@@ -100,6 +115,14 @@ def tell_cloth(lab: FloatImage, parameters: OutlineParameters) -> tuple[Mask, Su
         seen = surprise(lab, ~near, parameters)
         cloth = _standing_out(seen.deviation, parameters)
     return cloth, seen
+
+
+def table_along_border(shape: tuple[int, ...], parameters: OutlineParameters) -> Mask:
+    """Mark the frame along the border of a picture, (h, w): table, if that fills the picture."""
+    frame = max(2, round(parameters.frame_share * min(shape)))
+    table = np.ones(shape, np.bool_)
+    table[frame:-frame, frame:-frame] = False
+    return table
 
 
 def _standing_out(deviation: FloatImage, parameters: OutlineParameters) -> Mask:
