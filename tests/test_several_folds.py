@@ -71,6 +71,21 @@ def test_the_number_of_folds_is_found() -> None:
     assert len(foldrs.fit(seen, garment_type="t-shirt", px_per_cm=PX, folds="auto").folds) == 2
 
 
+@pytest.mark.parametrize(("turned", "folds"), [(0.04, 0), (0.2, 1)])
+def test_a_corner_turned_in_leaves_a_towel_flat_if_it_is_small(turned: float, folds: int) -> None:
+    towel = foldrs.builtin_templates("towel")[0].outline * PX
+    corner = towel.min(axis=0)
+    leg = np.sqrt(2.0 * turned * abs(_core.signed_area(towel)))
+    cut = np.array([[leg, 0.0], [0.0, leg]]) + corner
+    along = cut[1] - cut[0]
+    seen = _core.fold_stack(towel, [np.array([cut[1] + along, cut[0] - along])]).outline
+    assert abs(_core.signed_area(seen)) == pytest.approx(
+        (1 - turned) * abs(_core.signed_area(towel)), rel=0.01
+    )
+    assert len(foldrs.fit(seen, garment_type="towel", px_per_cm=PX, folds="auto").folds) == folds
+    assert foldrs.fit(seen, garment_type="towel", px_per_cm=PX, folds=1).accepted
+
+
 def test_a_flat_garment_comes_out_flat(flat: FitResult) -> None:
     assert not flat.accepted
     assert flat.fold is None

@@ -36,6 +36,8 @@ pub struct JointExplanation {
     pub surprise: f64,
     /// The part of the evidence that comes from the picture.
     pub picture: PictureEvidence,
+    /// Share of the cloth that the folds turn over, of each fold the smaller part.
+    pub turned: f64,
 }
 
 impl JointExplanation {
@@ -69,6 +71,8 @@ pub enum FoldCount {
 pub struct JointFits {
     /// For every number of folds tried, from none on, what explains the outline, the best evidence first.
     pub by_folds: Vec<Vec<JointExplanation>>,
+    /// Share of the cloth that folds must turn over for the garment to count as folded.
+    pub least_turned: f64,
 }
 
 impl JointFits {
@@ -83,11 +87,14 @@ impl JointFits {
     }
 
     /// The number of folds that explain the outline best; further ones explain no more than their freedom costs.
+    /// None where they turn over next to nothing: a corner turned in or a bent hem leaves a garment flat.
     #[must_use]
     pub fn enough(&self) -> usize {
         let tried = 0..self.by_folds.len();
-        tried
-            .min_by(|&a, &b| self.surprise(a).total_cmp(&self.surprise(b)))
+        let likeliest = tried.min_by(|&a, &b| self.surprise(a).total_cmp(&self.surprise(b)));
+        let turned = |folds: &usize| self.by_folds[*folds].first().map_or(0.0, |best| best.turned);
+        likeliest
+            .filter(|folds| turned(folds) >= self.least_turned)
             .unwrap_or(0)
     }
 }
@@ -112,6 +119,7 @@ pub fn explain_jointly(
     let sight = search.sight(picture, parameters);
     let mut found = JointFits {
         by_folds: vec![search.told(&search.unfolded(), 0)],
+        least_turned: parameters.fit.least_turned,
     };
     let (most, all) = match folds {
         FoldCount::Exactly(count) => (count, true),
@@ -305,6 +313,7 @@ impl<'a> Search<'a> {
             let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
             let told = JointExplanation {
                 surprise: told.surprise + choice + flap::surprise(&shares, p.flap),
+                turned: flap::smaller(&shares).sum(),
                 ..told
             };
             match shares[..] {
@@ -373,5 +382,6 @@ fn explanation(
         creases,
         surprise: fit.surprise,
         picture: fit.picture,
+        turned: 0.0,
     })
 }

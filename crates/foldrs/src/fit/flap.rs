@@ -24,8 +24,12 @@ pub(super) fn shares(ring: &[Point], creases: &[Segment], covered: f64) -> Optio
 /// Minus log density of such shares, up to a constant, if it grows with a power of the smaller side's share.
 pub(super) fn surprise(shares: &[f64], power: f64) -> f64 {
     let least = 1e-3; // a hem turned by a thread
-    let smaller = shares.iter().map(|s| s.min(1.0 - s));
-    smaller.map(|s| -power * (2.0 * s.max(least)).ln()).sum()
+    smaller(shares).map(|s| -power * (2.0 * s.max(least)).ln()).sum()
+}
+
+/// Of every fold the share of the smaller part: which of the two was turned over cannot be seen.
+pub(super) fn smaller(shares: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    shares.iter().map(|s| s.min(1.0 - s))
 }
 
 #[cfg(test)]
