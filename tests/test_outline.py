@@ -308,7 +308,7 @@ def test_a_large_shirt_with_a_print_is_no_table() -> None:
     )
     picture = photograph(shape=shirt, cloth=(35, 35, 45), table=(200, 180, 90), grain=8)
     cv2.ellipse(picture, (360, 160), (48, 30), 20, 0, 360, (230, 60, 50), cv2.FILLED)
-    assert filled(shirt).mean() > OutlineParameters().whole_table_share
+    assert filled(shirt).mean() > OutlineParameters().candidates.whole_table_share
     assert iou(find_outline(picture).points, shirt.astype(float)) > 0.96
 
 

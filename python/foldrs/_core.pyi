@@ -359,7 +359,7 @@ class JointFits:
         """The largest number of folds tried."""
     @property
     def enough(self) -> int:
-        """The number of folds that explain the outline best, for what their freedom costs."""
+        """The number of folds that explain the outline best; none where they turn over next to nothing."""
     def surprise(self, folds: int) -> float:
         """Minus log evidence in nats of the best explanation by so many folds; infinite if there is none."""
     def explanations(self, folds: int) -> list[JointExplanation]:

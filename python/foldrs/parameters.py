@@ -68,6 +68,10 @@ class CandidateParameters:
     """Evenness of the table around below which it is no table, but several things."""
     least_cut_off: float = 0.02
     """Share of its rim on the border up to which a candidate is whole."""
+    whole_table_share: float = 0.3
+    """Share of the picture from which a candidate may be a table seen whole; garments are mostly smaller."""
+    no_table: float = 0.75
+    """Overlap with a quadrilateral below which something is no table, whole or cut off by the border."""
     table_likeness: float = 0.88
     """Overlap with a quadrilateral from which what bears something is rather a table than a garment."""
     table_weight: float = 35.0
@@ -80,14 +84,14 @@ class CandidateParameters:
     """Share of a garment that a print upon it covers at most."""
     bearer: float = 4.0
     """How much less a garment may look like a thing on a table than the print on it does."""
-    no_table: float = 0.75
-    """Overlap with a quadrilateral below which something is no table, whole or cut off by the border."""
     most_cut_off: float = 0.25
     """Share of its rim on the border up to which what bears a print may be a garment cut off."""
     rival: float = 3.0
     """How much less another thing may look like one on a table and be meant as well."""
     same_table: float = 5.0
     """Difference of colour up to which two objects lie on the same table, CIELAB units."""
+    table_reach: float = 26.0
+    """Distance from the one taken up to which the table around it is learnt for the cut, coarse px."""
 
 
 @dataclass(frozen=True)
@@ -132,12 +136,6 @@ class OutlineParameters:
     """Parts below this share of the largest are specks and are dropped."""
     like_size_share: float = 0.5
     """A second object of this share of the largest makes it unclear which is meant."""
-    whole_table_share: float = 0.3
-    """Share of the picture from which a quadrilateral may be a table seen whole; garments are smaller."""
-    quadrilateral: float = 0.82
-    """Overlap with a quadrilateral from which what stands out may be one: things stand on a table's edges."""
-    table_reach: float = 26.0
-    """Distance from a candidate up to which the table around it is learnt for the cut, coarse px."""
     candidates: CandidateParameters = field(default_factory=CandidateParameters)
     """Where it is not clear what the table is."""
     cut_rounds: int = 3

@@ -22,7 +22,7 @@ from ..parameters import OutlineParameters
 from .candidates import candidates
 from .choice import Candidate, chosen, looked_at
 from .cut import cut
-from .masks import largest_part, likeness_to_quadrilateral, part_over, resized, single_object, tidied
+from .masks import largest_part, part_over, resized, single_object, tidied
 from .rim import snap_to_rim
 from .table import FloatImage, table_around, tell_cloth
 
@@ -96,10 +96,8 @@ def _roughly(lab: FloatImage, parameters: OutlineParameters) -> Mask:
 
 def _is_garment(one: Candidate, parameters: OutlineParameters) -> bool:
     """Whether what stands out from the border of the picture is whole, on an even table, and none itself."""
-    p, c = parameters, parameters.candidates
-    if not one.stands_out(c) or not one.is_whole(c):
-        return False
-    return one.share < p.whole_table_share or likeness_to_quadrilateral(one.mask) < p.quadrilateral
+    c = parameters.candidates
+    return one.stands_out(c) and one.is_whole(c) and not one.may_be_table(c)
 
 
 def _on_table_all_over(lab: FloatImage, parameters: OutlineParameters) -> Mask:

@@ -9,6 +9,7 @@ either the table, if that is seen whole, or the garment that a print is on.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,7 +25,7 @@ from .table import FloatImage, surprise
 
 __all__ = ["Candidate", "chosen", "looked_at"]
 
-_LEAST_CLEARNESS = 0.1  # less is no worse
+_UNCLEAR = 0.1  # a clearness of less is no worse
 _LEAST_RING = 50  # px of table around an object from which its colour can be learnt
 _BESIDE = 0.05  # share of an object up to which it may stick out of another that it lies within
 
@@ -48,10 +49,15 @@ class Candidate:
     table: npt.NDArray[np.float32]
     """Median colour of the ring around it, CIELAB."""
 
+    @functools.cached_property
+    def squareness(self) -> float:
+        """Overlap with the quadrilateral that it simplifies to, as a table does."""
+        return likeness_to_quadrilateral(self.mask)
+
     def likeness(self, parameters: CandidateParameters) -> float:
         """How much it looks like a thing that lies on a table."""
         c = parameters
-        clear = c.clear_weight * float(np.log(max(self.clearness, _LEAST_CLEARNESS)))
+        clear = c.clear_weight * float(np.log(max(self.clearness, _UNCLEAR)))
         return clear + c.even_weight * self.evenness
 
     def rating(self, parameters: CandidateParameters) -> float:
@@ -69,6 +75,11 @@ class Candidate:
     def is_whole(self, parameters: CandidateParameters) -> bool:
         """Whether the border of the picture hardly touches it."""
         return self.cut_off <= parameters.least_cut_off
+
+    def may_be_table(self, parameters: CandidateParameters) -> bool:
+        """Whether it is large and square enough for a table seen whole."""
+        c = parameters
+        return self.share >= c.whole_table_share and self.squareness >= c.no_table
 
 
 def looked_at(lab: FloatImage, mask: Mask, parameters: OutlineParameters) -> Candidate | None:
@@ -122,12 +133,12 @@ def chosen(candidates: Sequence[Candidate], parameters: OutlineParameters) -> Ca
         Another one of like size lies beside it on the same table.
     """
     p, c = parameters, parameters.candidates
-    on_table = [one for one in candidates if not any(_is_table(one, other, p) for other in candidates)]
+    on_table = [one for one in candidates if not any(_is_table(one, other, c) for other in candidates)]
     best = max(on_table, key=lambda one: one.rating(c), default=None)
     bearer = best
     while bearer is not None:
         best = bearer
-        bearers = [one for one in on_table if _is_print(best, one, p)]
+        bearers = [one for one in on_table if _is_print(best, one, c)]
         bearer = max(bearers, key=lambda one: one.rating(c), default=None)
     if best is None or best.clearness < c.least_clearness:
         return None
@@ -139,10 +150,10 @@ def chosen(candidates: Sequence[Candidate], parameters: OutlineParameters) -> Ca
     return best
 
 
-def _is_table(one: Candidate, other: Candidate, parameters: OutlineParameters) -> bool:
+def _is_table(one: Candidate, other: Candidate, parameters: CandidateParameters) -> bool:
     """Whether a candidate is a table seen whole that bears the other one: a motif on a towel is smaller."""
-    p, c = parameters, parameters.candidates
-    if one.share < p.whole_table_share or not c.least_borne <= other.share / one.share <= c.most_borne:
+    c = parameters
+    if one.share < c.whole_table_share or not c.least_borne <= other.share / one.share <= c.most_borne:
         return False
     return (
         other.is_whole(c)
@@ -152,18 +163,18 @@ def _is_table(one: Candidate, other: Candidate, parameters: OutlineParameters) -
     )
 
 
-def _is_print(one: Candidate, other: Candidate, parameters: OutlineParameters) -> bool:
+def _is_print(one: Candidate, other: Candidate, parameters: CandidateParameters) -> bool:
     """Whether a candidate is but a print on the other one, which is no table, whole or cut off."""
-    p, c = parameters, parameters.candidates
+    c = parameters
     if one.share >= c.most_print * other.share or not other.stands_out(c) or not _lies_on(one, other):
         return False
     if one.likeness(c) - other.likeness(c) > c.bearer:
         return False
-    small = other.share < p.whole_table_share
+    small = other.share < c.whole_table_share
     if other.is_whole(c):
         return small or one.share < c.least_borne * other.share or not _looks_like_table(other, one, c)
-    no_table = likeness_to_quadrilateral(other.mask) < c.no_table
-    return small and no_table and other.cut_off <= c.most_cut_off
+    # Of a table the border cuts off more, and what is left of one need not be large.
+    return small and other.squareness < c.no_table and other.cut_off <= c.most_cut_off
 
 
 def _looks_like_table(one: Candidate, other: Candidate, parameters: CandidateParameters) -> bool:
@@ -172,7 +183,7 @@ def _looks_like_table(one: Candidate, other: Candidate, parameters: CandidatePar
     A table is a quadrilateral, and mostly seen among other things: it stands out less than what lies on it.
     """
     c = parameters
-    square = c.table_weight * (likeness_to_quadrilateral(one.mask) - c.table_likeness)
+    square = c.table_weight * (one.squareness - c.table_likeness)
     return one.likeness(c) - other.likeness(c) < square
 
 

@@ -91,7 +91,8 @@ def table_around(lab: FloatImage, mask: Mask, parameters: OutlineParameters) -> 
     parameters : OutlineParameters
     """
     wide, narrow = (
-        cv2.dilate(mask.astype(np.uint8), disc(by)) > 0 for by in (parameters.table_reach, parameters.rim_gap)
+        cv2.dilate(mask.astype(np.uint8), disc(by)) > 0
+        for by in (parameters.candidates.table_reach, parameters.rim_gap)
     )
     return surprise(lab, wide & ~narrow, parameters)
 
