@@ -203,6 +203,16 @@ def test_two_garments_are_not_chosen_between_for_one_being_in_the_middle() -> No
         find_outline(picture)
 
 
+@pytest.mark.parametrize("width", [3, 7, 11])
+def test_joints_of_the_table_are_no_part_of_the_garment(width: int) -> None:
+    picture = photograph()
+    for start, end in (((0, 300), (639, 280)), ((330, 0), (320, 479))):
+        joint = np.zeros((HEIGHT, WIDTH), np.uint8)
+        cv2.line(joint, start, end, 1, width)
+        picture[(joint > 0) & ~filled(PULLOVER)] = (70, 60, 50)
+    assert iou(find_outline(picture).points, PULLOVER) > 0.95
+
+
 def test_a_small_thing_beside_the_garment_is_ignored() -> None:
     picture = photograph()
     cv2.circle(picture, (580, 420), 18, (20, 20, 20), cv2.FILLED)

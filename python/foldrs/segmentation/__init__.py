@@ -22,7 +22,7 @@ from ..parameters import OutlineParameters
 from .candidates import candidates
 from .choice import Candidate, chosen, looked_at
 from .cut import cut
-from .masks import largest_part, part_over, resized, single_object, tidied
+from .masks import largest_part, part_over, resized, single_object, tidied, without_tails
 from .rim import snap_to_rim
 from .table import FloatImage, table_around, tell_cloth
 
@@ -91,7 +91,7 @@ def _roughly(lab: FloatImage, parameters: OutlineParameters) -> Mask:
     if best is standing_out:
         return best.mask
     improved = tidied(cut(table_around(lab, best.mask, p), best.mask, p), p.opening)
-    return part_over(improved, best.mask)
+    return without_tails(part_over(improved, best.mask), p)
 
 
 def _is_garment(one: Candidate, parameters: OutlineParameters) -> bool:
@@ -106,9 +106,9 @@ def _on_table_all_over(lab: FloatImage, parameters: OutlineParameters) -> Mask:
     standing_out, seen = tell_cloth(lab, p)
     if not standing_out.any() or np.median(seen.deviation[standing_out]) < p.least_surprise:
         raise NoGarmentError(_NOTHING)
-    guess = single_object(standing_out, p, p.merge_gap)
+    guess = without_tails(single_object(standing_out, p, p.merge_gap), p)
     _check_extent(guess, p)
-    return single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap)
+    return without_tails(single_object(tidied(cut(seen, guess, p), p.opening), p, p.merge_gap), p)
 
 
 def refined(rgb: RgbImage, mask: Mask, parameters: OutlineParameters | None = None) -> Mask:

@@ -17,7 +17,7 @@ from ..image import Mask
 from ..parameters import CandidateParameters, OutlineParameters
 from .cut import split_colours
 from .enclosed import enclosed_objects
-from .masks import disc, filled, largest_part, overlap, parts, tidied
+from .masks import disc, filled, largest_part, overlap, parts, tidied, without_tails
 from .table import FloatImage, squared_length, surprise, table_along_border
 
 __all__ = ["candidates"]
@@ -55,7 +55,7 @@ def _all(lab: FloatImage, parameters: OutlineParameters) -> Iterator[Mask]:
         deviation = surprise(lab, table, p).deviation
         for threshold in np.geomspace(c.least_deviation, p.surprise_limit, c.deviations):
             for part in parts(tidied(deviation > threshold, p.opening), c.least_object):
-                whole = filled(part)
+                whole = without_tails(filled(part), p)
                 if np.count_nonzero(whole) <= p.most_share * whole.size:
                     yield whole
     yield from enclosed_objects(lab, p)

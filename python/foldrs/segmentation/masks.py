@@ -46,6 +46,27 @@ def tidied(mask: Mask, radius: float) -> Mask:
     return cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc(radius)) > 0
 
 
+def without_tails(mask: Mask, parameters: OutlineParameters) -> Mask:
+    """`mask` without what hangs on it long and thin: joints and edges of the table, ribbons, straps.
+
+    What an opening takes away is a tail if it leads farther from the rest than a corner would. The width
+    of tails is bounded in proportion to the size of the object.
+    """
+    p = parameters
+    radius = p.tail_radius * float(np.sqrt(np.count_nonzero(mask)))
+    if radius < 1:
+        return mask
+    body = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, disc(radius)) > 0
+    if not body.any():
+        return mask
+    body = largest_part(body)
+    _, labels = cv2.connectedComponents((mask & ~body).astype(np.uint8), connectivity=4)
+    away = cv2.distanceTransform((~body).astype(np.uint8), cv2.DIST_L2, 5)
+    reach = np.zeros(int(labels.max()) + 1, np.float32)
+    np.maximum.at(reach, labels.ravel(), np.where(labels > 0, away, 0).ravel())
+    return body | ((labels > 0) & (reach[labels] <= p.tail_length * radius))
+
+
 def largest_part(mask: Mask) -> Mask:
     """Keep the largest connected part of `mask`, if there is any."""
     labels, areas = _parts(mask)
