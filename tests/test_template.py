@@ -48,7 +48,7 @@ def builtin(request) -> Template:
 
 
 class TestBuiltin:
-    def test_there_are_templates_of_every_kind_the_usual_one_first(self):
+    def test_there_are_templates_of_every_kind_the_one_named_like_it_first(self):
         assert {template.garment_type for template in builtin_templates()} == set(LANDMARKS)
         for kind in LANDMARKS:
             assert builtin_templates(kind)[0].name == kind
@@ -91,9 +91,15 @@ class TestBuiltin:
     def test_chosen_by_kind(self):
         assert {template.garment_type for template in builtin_templates("skirt")} == {"skirt"}
 
-    def test_every_kind_competes_with_one_template_where_the_kind_is_not_known(self):
-        assert [template.name for template in choose_templates(None, None)] == sorted(LANDMARKS)
-        assert len(choose_templates(None, "skirt")) > 1
+    def test_all_compete_where_the_kind_is_not_known_and_those_of_the_kind_where_it_is(self):
+        assert choose_templates(None, None) == list(builtin_templates())
+        for kind in LANDMARKS:
+            assert choose_templates(None, kind) == list(builtin_templates(kind))
+
+    def test_the_published_method_has_one_template_a_kind(self):
+        assert [template.name for template in choose_templates(None, None, "paper")] == sorted(LANDMARKS)
+        for kind in LANDMARKS:
+            assert [template.name for template in choose_templates(None, kind, "paper")] == [kind]
 
     def test_unknown_kind_names_the_known_ones(self):
         with pytest.raises(TemplateError, match="'sock'") as caught:

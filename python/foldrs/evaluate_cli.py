@@ -99,15 +99,13 @@ def evaluate_command(
     from foldrs.evaluation import Evaluation, load_scenes, print_tables, virtual_scenes, write_csv, write_json
     from foldrs.evaluation.virtual import PX_PER_CM
     from foldrs.pipeline import check_folds, check_scale, choose_templates
-    from foldrs.template import builtin_templates
 
     found: Scenes
     try:
         check_scale(px_per_cm)
         if folds != "given":
             check_folds(folds, method)
-        every = templates or (None if protocol == "open" else builtin_templates())
-        chosen = choose_templates(every, None)
+        chosen = choose_templates(templates or None, None, method)
         reference = reference_of(marker_cm, marker_family, a4)
         if search and (method != "best" or protocol == "open" or folds not in ("given", 1)):
             raise click.UsageError("--search measures the method best with the kind given and one fold")

@@ -186,7 +186,7 @@ def _fit_options(
     if max_pixels is not None:
         parameters = replace(parameters, outline=replace(parameters.outline, max_pixels=max_pixels))
     return {
-        "templates": choose_templates(templates or None, garment_type),
+        "templates": choose_templates(templates or None, garment_type, method),
         "px_per_cm": px_per_cm,
         "folds": folds,
         "method": method,

@@ -114,7 +114,7 @@ def fit(
     check_scale(px_per_cm)
     check_method(method)
     check_folds(folds, method)
-    chosen = choose_templates(templates, garment_type)
+    chosen = choose_templates(templates, garment_type, method)
 
     ground = survey(
         source,
@@ -209,14 +209,17 @@ def result_of(
     )
 
 
-def choose_templates(templates: Sequence[TemplateLike] | None, garment_type: str | None) -> list[Template]:
+def choose_templates(
+    templates: Sequence[TemplateLike] | None, garment_type: str | None, method: Method = "best"
+) -> list[Template]:
     """Choose the templates that compete: the given or built-in ones, of one kind if a kind is given.
 
-    Where all built-in kinds compete, each does with its usual template: none is freer than another.
+    The published method has one template a kind: of the built-in ones that of mean proportions, named like
+    the kind. It chooses by cost, and would choose a kind for having more templates.
     """
     if templates is None:
-        usual = {template.garment_type: template for template in reversed(builtin_templates())}
-        return list(usual.values())[::-1] if garment_type is None else list(builtin_templates(garment_type))
+        builtin = builtin_templates(garment_type)
+        return [one for one in builtin if method == "best" or one.name == one.garment_type]
     loaded = [t if isinstance(t, Template) else load_template(t) for t in templates]
     chosen = [t for t in loaded if garment_type is None or t.garment_type == garment_type]
     if not chosen:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,7 +35,7 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
     "--outlines",
     type=click.Path(path_type=Path, dir_okay=False),
     help='Real outlines instead of templates: JSON list of {"type", "outline", "landmarks"}, in any unit; '
-    'with "size_cm" (longer side) or else as large as the templates of the kind.',
+    'with "size_cm" (longer side) or else as large as the template of the kind.',
 )
 @click.option(
     "--folds",
@@ -173,7 +172,7 @@ def read_outlines(path: Path, templates: Sequence[Template]) -> list[Garment]:
         JSON list of objects with ``type``, ``outline`` and ``landmarks``, in any unit, y down; optionally
         ``size_cm``, the longer side of the upright bounding box.
     templates : sequence of Template
-        Where ``size_cm`` is missing, the garment is as large as the mean template of its kind. It has the
+        Where ``size_cm`` is missing, the garment is as large as the first template of its kind. It has the
         symmetry of that kind.
 
     Raises
@@ -210,8 +209,9 @@ def _garment(entry: dict[str, Any], templates: Sequence[Template], name: str) ->
         )
     if not alike:
         raise ParameterError(f"no template tells how large a garment of kind {kind!r} is: give its size_cm")
-    area = math.fsum(template.area for template in alike) / len(alike)
-    return garment_from_outline(outline, landmarks, kind, area_cm2=area, symmetry=symmetry, name=name)
+    return garment_from_outline(
+        outline, landmarks, kind, area_cm2=alike[0].area, symmetry=symmetry, name=name
+    )
 
 
 @click.command("demo")

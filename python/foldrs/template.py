@@ -236,7 +236,7 @@ def save_template(template: Template, path: str | os.PathLike[str]) -> None:
 
 
 def builtin_templates(garment_type: str | None = None) -> tuple[Template, ...]:
-    """Return the templates that come with the package, sorted by name: the usual one of a kind first.
+    """Return the templates that come with the package, sorted by name: the one named like the kind first.
 
     Parameters
     ----------

@@ -60,11 +60,13 @@ def without_tails(mask: Mask, parameters: OutlineParameters) -> Mask:
     if not body.any():
         return mask
     body = largest_part(body)
-    _, labels = cv2.connectedComponents((mask & ~body).astype(np.uint8), connectivity=4)
-    away = cv2.distanceTransform((~body).astype(np.uint8), cv2.DIST_L2, 5)
+    labels = _parts(mask & ~body)[0].astype(np.intp)
+    away = np.asarray(cv2.distanceTransform((~body).astype(np.uint8), cv2.DIST_L2, 5), np.float32)
     reach = np.zeros(int(labels.max()) + 1, np.float32)
-    np.maximum.at(reach, labels.ravel(), np.where(labels > 0, away, 0).ravel())
-    return body | ((labels > 0) & (reach[labels] <= p.tail_length * radius))
+    np.maximum.at(reach, labels.ravel(), away.ravel())
+    short = reach <= p.tail_length * radius
+    short[0] = False  # the label of all else
+    return np.logical_or(body, short[labels])
 
 
 def largest_part(mask: Mask) -> Mask:
