@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,13 @@ _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "li
     type=click.Path(path_type=Path, dir_okay=False),
     help='Real outlines instead of templates: JSON list of {"type", "outline", "landmarks"}, in any unit; '
     'with "size_cm" (longer side) or else as large as the template of the kind.',
+)
+@click.option(
+    "--photos",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="FOLDER",
+    help='Where the photographs are that the outlines were traced in (the field "image" of each). Scenes '
+    "then show real cloth upon tables of these photographs, and shapes stay as they are.",
 )
 @click.option(
     "--folds",
@@ -88,6 +96,7 @@ def synth_command(
     kinds: tuple[str, ...],
     templates: tuple[Path, ...],
     outlines: Path | None,
+    photos: Path | None,
     folds: int,
     scenarios: tuple[str, ...],
     px_per_cm: float,
@@ -110,6 +119,8 @@ def synth_command(
 
     from foldrs.synth import SCENARIOS, SynthParameters, make_scenes
 
+    if photos is not None and outlines is None:
+        raise click.UsageError("--photos needs --outlines, the outlines traced in them")
     try:
         parameters = SynthParameters(
             image_size=size,
@@ -121,7 +132,9 @@ def synth_command(
             sheet=a4,
             depth=depth,
         )
-        sources = garments(kinds, templates, outlines)
+        if photos is not None:  # photographed cloth belongs to its shape
+            parameters = replace(parameters, shape_cm=0.0, asymmetry_cm=0.0, stretch=0.0, bow=0.0)
+        sources = garments(kinds, templates, outlines, photos)
         console = Console(stderr=True)
         with Progress(console=console, disable=not console.is_terminal) as progress:
             task = progress.add_task("drawing", total=count)
@@ -140,7 +153,9 @@ def synth_command(
     click.echo(f"wrote {len(written)} scene{'s' * (len(written) > 1)} to {out}")
 
 
-def garments(kinds: Sequence[str], templates: Sequence[Path], outlines: Path | None) -> list[FlatGarment]:
+def garments(
+    kinds: Sequence[str], templates: Sequence[Path], outlines: Path | None, photos: Path | None = None
+) -> list[FlatGarment]:
     """Gather the garments to draw: outlines of a file, template files, or built-in templates; of some kinds.
 
     Raises
@@ -153,7 +168,9 @@ def garments(kinds: Sequence[str], templates: Sequence[Path], outlines: Path | N
     from foldrs.template import builtin_templates, load_template
 
     known = [load_template(path) for path in templates] if templates else list(builtin_templates())
-    sources: list[FlatGarment] = list(known) if outlines is None else list(read_outlines(outlines, known))
+    sources: list[FlatGarment] = (
+        list(known) if outlines is None else list(read_outlines(outlines, known, photos))
+    )
     there = sorted({one.garment_type for one in sources})
     missing = [kind for kind in kinds if kind not in there]
     if missing:
@@ -163,7 +180,7 @@ def garments(kinds: Sequence[str], templates: Sequence[Path], outlines: Path | N
     return [one for one in sources if not kinds or one.garment_type in kinds]
 
 
-def read_outlines(path: Path, templates: Sequence[Template]) -> list[Garment]:
+def read_outlines(path: Path, templates: Sequence[Template], photos: Path | None = None) -> list[Garment]:
     """Read a file of real outlines.
 
     Parameters
@@ -174,11 +191,13 @@ def read_outlines(path: Path, templates: Sequence[Template]) -> list[Garment]:
     templates : sequence of Template
         Where ``size_cm`` is missing, the garment is as large as the first template of its kind. It has the
         symmetry of that kind.
+    photos : Path, optional
+        Folder of the photographs that the outlines were traced in; their names there are the field ``image``.
 
     Raises
     ------
     ParameterError
-        If the file is no such list, or the size of a garment cannot be told.
+        If the file is no such list, the size of a garment cannot be told, or its photograph is not there.
     """
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
@@ -189,7 +208,7 @@ def read_outlines(path: Path, templates: Sequence[Template]) -> list[Garment]:
     found = []
     for number, entry in enumerate(entries):
         try:
-            found.append(_garment(entry, templates, f"{path.stem} {number}"))
+            found.append(_garment(entry, templates, f"{path.stem} {number}", photos))
         except KeyError as error:
             raise ParameterError(f"{path}: outline {number} lacks the field {error}") from error
         except (FoldrsError, TypeError, ValueError, AttributeError) as error:
@@ -197,20 +216,24 @@ def read_outlines(path: Path, templates: Sequence[Template]) -> list[Garment]:
     return found
 
 
-def _garment(entry: dict[str, Any], templates: Sequence[Template], name: str) -> Garment:
+def _garment(entry: dict[str, Any], templates: Sequence[Template], name: str, photos: Path | None) -> Garment:
     from foldrs.synth import garment_from_outline
 
     kind, outline, landmarks = entry["type"], entry["outline"], entry["landmarks"]
     alike = [template for template in templates if template.garment_type == kind]
     symmetry = tuple(pair for pair in alike[0].symmetry if set(pair) <= set(landmarks)) if alike else ()
+    photograph = None if photos is None else photos / entry["image"]
+    if photograph is not None and not photograph.is_file():
+        raise ParameterError(f"its photograph {photograph} is not there")
+    size: dict[str, float] = {}
     if "size_cm" in entry:
-        return garment_from_outline(
-            outline, landmarks, kind, size_cm=float(entry["size_cm"]), symmetry=symmetry, name=name
-        )
-    if not alike:
+        size["size_cm"] = float(entry["size_cm"])
+    elif alike:
+        size["area_cm2"] = alike[0].area
+    else:
         raise ParameterError(f"no template tells how large a garment of kind {kind!r} is: give its size_cm")
     return garment_from_outline(
-        outline, landmarks, kind, area_cm2=alike[0].area, symmetry=symmetry, name=name
+        outline, landmarks, kind, **size, symmetry=symmetry, name=name, photograph=photograph
     )
 
 

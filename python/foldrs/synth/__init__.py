@@ -6,7 +6,8 @@ The steps, one module each: :mod:`~foldrs.synth.garment` (another garment of the
 :mod:`~foldrs.synth.fold_lines` (where it is folded), :mod:`~foldrs.synth.layers` (the layers of cloth and
 where a point of the garment comes to lie), :mod:`~foldrs.synth.pose` (how the whole lies in the picture),
 :mod:`~foldrs.synth.camera` and :mod:`~foldrs.synth.depth` (what looks at it),
-:mod:`~foldrs.synth.references` (markers beside it), :mod:`~foldrs.synth.cloth`, :mod:`~foldrs.synth.table`
+:mod:`~foldrs.synth.references` (markers beside it), :mod:`~foldrs.synth.cloth`,
+:mod:`~foldrs.synth.table`, :mod:`~foldrs.synth.photographs` (real cloth upon real tables)
 and :mod:`~foldrs.synth.render` (the pixels), :mod:`~foldrs.synth.truth` (the ground truth),
 :mod:`~foldrs.synth.scene` (one scene) and :mod:`~foldrs.synth.batch` (many).
 
@@ -23,7 +24,7 @@ True
 """
 
 from foldrs.synth.batch import make_scenes
-from foldrs.synth.garment import FlatGarment, Garment, garment_from_outline
+from foldrs.synth.garment import FlatGarment, Garment, Photograph, garment_from_outline
 from foldrs.synth.parameters import CLOTHS, SCENARIOS, TABLES, SynthParameters
 from foldrs.synth.scene import Scene, make_scene
 
@@ -33,6 +34,7 @@ __all__ = [
     "TABLES",
     "FlatGarment",
     "Garment",
+    "Photograph",
     "Scene",
     "SynthParameters",
     "garment_from_outline",

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from foldrs.errors import ParameterError
-from foldrs.synth.garment import FlatGarment, Garment, checked
+from foldrs.synth.garment import FlatGarment, Garment, Photograph, checked
 from foldrs.synth.parameters import SynthParameters
 from foldrs.synth.scene import check_suffix, make_scene
 
@@ -36,7 +36,8 @@ def make_scenes(
     Parameters
     ----------
     sources : sequence of FlatGarment
-        The garments to make scenes of; scene k takes number k modulo their count.
+        The garments to make scenes of; scene k takes number k modulo their count. Those with a photograph
+        lie on tables of any of the photographs.
     count : int
         Number of scenes.
     seed : int
@@ -73,9 +74,12 @@ def make_scenes(
     folder = Path(folder)
     garments = [checked(sources[k % len(sources)]) for k in range(min(count, len(sources)))]
     taken = [garments[k % len(garments)] for k in range(count)]
+    tables = [one.photograph for one in garments if one.photograph is not None]
     digits = max(2, len(str(count)))
     names = [f"{garment.garment_type}-{k + 1:0{digits}d}" for k, garment in enumerate(taken)]
-    write = partial(_write_scene, seed=seed, folder=folder, suffix=suffix, parameters=parameters)
+    write = partial(
+        _write_scene, seed=seed, folder=folder, suffix=suffix, parameters=parameters, tables=tables
+    )
     written: list[Path] = []
 
     def gather(paths: Iterable[Path]) -> None:
@@ -113,6 +117,8 @@ def _write_scene(
     folder: Path,
     suffix: str,
     parameters: SynthParameters,
+    tables: Sequence[Photograph],
 ) -> Path:
     child = np.random.SeedSequence(seed, spawn_key=(number,))
-    return make_scene(source, seed=child, parameters=parameters).write(folder, name, suffix=suffix)
+    scene = make_scene(source, seed=child, parameters=parameters, tables=tables)
+    return scene.write(folder, name, suffix=suffix)

@@ -27,7 +27,7 @@ _COLOUR_TRIES = 200
 _HEM_CM = (1.2, 3.0)
 """Distance of the hem's seam from the rim."""
 
-_BORDER_CM = 3.0
+BORDER_CM = 3.0
 """Texture beyond the garment's bounding box, for rims that are displaced."""
 
 
@@ -68,8 +68,8 @@ def draw_cloth(
     parameters : SynthParameters
         ``cloths``, ``contrast`` and ``wrinkles``.
     """
-    origin = outline.min(axis=0) - _BORDER_CM
-    width, height = np.ceil((outline.max(axis=0) + _BORDER_CM - origin) * TEXELS_PER_CM).astype(int)
+    origin = outline.min(axis=0) - BORDER_CM
+    width, height = np.ceil((outline.max(axis=0) + BORDER_CM - origin) * TEXELS_PER_CM).astype(int)
     size = (int(height), int(width))
     ground, second = _cloth_colours(rng, np.array(cv2.mean(table)[:3]), parameters.contrast)
     kind = str(rng.choice(np.array(parameters.cloths)))
@@ -124,7 +124,7 @@ def _cloth_colours(rng: np.random.Generator, table: Picture, contrast: float) ->
         best, most = draw(), -1.0
         for _ in range(_COLOUR_TRIES):
             colour = draw()
-            distance = float(np.linalg.norm(_lab(colour) - _lab(table)))
+            distance = float(np.linalg.norm(cielab(colour) - cielab(table)))
             if distance >= least:
                 return colour
             if distance > most:
@@ -134,7 +134,8 @@ def _cloth_colours(rng: np.random.Generator, table: Picture, contrast: float) ->
     return first_far(contrast), first_far(0.6 * contrast)
 
 
-def _lab(colour: Picture) -> Picture:
+def cielab(colour: NDArray[np.floating]) -> Picture:
+    """Turn an RGB colour, 0 to 255, to CIE L*, a*, b*."""
     pixel = (np.asarray(colour, np.float32) / np.float32(255)).reshape(1, 1, 3)
     return np.asarray(cv2.cvtColor(pixel, cv2.COLOR_RGB2Lab), dtype=np.float32).reshape(3)
 

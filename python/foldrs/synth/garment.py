@@ -6,7 +6,8 @@ Lengths are in centimetres, y points down, the garment lies unfolded.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -53,14 +54,31 @@ class FlatGarment(Protocol):
 
 
 @dataclass(frozen=True)
+class Photograph:
+    """A photograph of a garment that lies flat on a table.
+
+    Attributes
+    ----------
+    path : Path
+        The image file.
+    outline : ndarray of shape (n, 2)
+        Outline of the garment in it, image px.
+    """
+
+    path: Path
+    outline: Points
+
+
+@dataclass(frozen=True)
 class Garment:
-    """One flat garment; the attributes are those of :class:`FlatGarment`, and its name."""
+    """One flat garment: the attributes of :class:`FlatGarment`, a name, and where its cloth is seen."""
 
     garment_type: str
     outline: Points
     landmarks: Mapping[str, Points]
     symmetry: Sequence[tuple[str, str]] = ()
     name: str = ""
+    photograph: Photograph | None = None
 
 
 def garment_from_outline(
@@ -72,6 +90,7 @@ def garment_from_outline(
     area_cm2: float | None = None,
     symmetry: Sequence[tuple[str, str]] = (),
     name: str = "",
+    photograph: str | Path | None = None,
 ) -> Garment:
     """Make a garment of an outline without scale, for instance one traced in a photograph.
 
@@ -89,6 +108,8 @@ def garment_from_outline(
         Landmarks that mirror each other.
     name : str, optional
         Which garment it is, for the ground truth.
+    photograph : str or Path, optional
+        The image file in which the outline was traced, in px: scenes then show the garment's own cloth.
 
     Raises
     ------
@@ -106,7 +127,8 @@ def garment_from_outline(
     else:
         scale = float(np.sqrt(given[0] / polygon_area(ring)))
     marks = {mark: np.asarray(point, dtype=np.float64) * scale for mark, point in landmarks.items()}
-    return Garment(garment_type, ring * scale, marks, tuple(symmetry), name)
+    seen = None if photograph is None else Photograph(Path(photograph), ring)
+    return Garment(garment_type, ring * scale, marks, tuple(symmetry), name, seen)
 
 
 def checked(source: FlatGarment) -> Garment:
@@ -132,7 +154,8 @@ def checked(source: FlatGarment) -> Garment:
         )
     marks = {name: np.asarray(point, dtype=np.float64) for name, point in source.landmarks.items()}
     name = str(getattr(source, "name", "")) or source.garment_type
-    return Garment(source.garment_type, ring, marks, tuple(source.symmetry), name)
+    photograph = getattr(source, "photograph", None)
+    return Garment(source.garment_type, ring, marks, tuple(source.symmetry), name, photograph)
 
 
 def vary(source: Garment, rng: np.random.Generator, parameters: SynthParameters) -> Garment:
@@ -180,7 +203,7 @@ def vary(source: Garment, rng: np.random.Generator, parameters: SynthParameters)
     else:
         moved = dense  # the garment as given
     landmarks = {name: moved[k] for name, k in zip(names, at, strict=True)}
-    return Garment(source.garment_type, moved, landmarks, source.symmetry, source.name)
+    return replace(source, outline=moved, landmarks=landmarks)
 
 
 def polygon_area(ring: Points) -> float:

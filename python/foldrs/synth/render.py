@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 
 from foldrs.synth.camera import TableCamera
 from foldrs.synth.cloth import Cloth, draw_cloth
-from foldrs.synth.garment import Points
+from foldrs.synth.garment import Garment, Photograph
 from foldrs.synth.layers import Layer
 from foldrs.synth.parameters import SynthParameters
+from foldrs.synth.photographs import cut_cloth, lay_table
 from foldrs.synth.pose import Pose
 from foldrs.synth.raster import LayerMasks, coverage
 from foldrs.synth.references import lay_references
@@ -35,7 +37,7 @@ _WHITE = np.ones(3, np.float32)
 
 
 def render(
-    outline: Points,
+    garment: Garment,
     layers: list[Layer],
     pose: Pose,
     masks: LayerMasks,
@@ -43,13 +45,14 @@ def render(
     parameters: SynthParameters,
     camera: TableCamera,
     aside: np.random.Generator,
+    tables: Sequence[Photograph] = (),
 ) -> NDArray[np.uint8]:
     """Picture folded cloth on a table.
 
     Parameters
     ----------
-    outline : ndarray of shape (n, 2)
-        The unfolded outline, cm.
+    garment : Garment
+        What is folded. If it has a photograph, its cloth is cut out of that, else cloth and table are drawn.
     layers : list of Layer
         The layers, lowest first.
     pose : Pose
@@ -64,14 +67,21 @@ def render(
         What looks at it.
     aside : numpy.random.Generator
         Source of what else lies there, apart so that the rest is the same without it.
+    tables : sequence of Photograph, optional
+        Those whose tables such a garment may lie on; by default its own.
 
     Returns
     -------
     ndarray of shape (height, width, 3), uint8
         RGB.
     """
-    picture = draw_table(rng, parameters)
-    cloth = draw_cloth(outline, picture, rng, parameters)
+    photograph = garment.photograph
+    if photograph is None:
+        picture = draw_table(rng, parameters)
+        cloth = draw_cloth(garment.outline, picture, rng, parameters)
+    else:
+        picture = lay_table(tables or [photograph], photograph, rng, parameters)
+        cloth = cut_cloth(photograph, garment.outline, rng)
     if parameters.tilt_deg > 0:
         picture = camera.seen(picture)
     if parameters.marker_cm or parameters.sheet:

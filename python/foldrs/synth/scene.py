@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from foldrs.errors import FoldrsError, ParameterError
 from foldrs.synth.camera import TableCamera, draw_camera, straight_above
 from foldrs.synth.depth import draw_depth
 from foldrs.synth.fold_lines import draw_fold, draw_second_fold
-from foldrs.synth.garment import FlatGarment, Garment, checked, vary
+from foldrs.synth.garment import FlatGarment, Garment, Photograph, checked, vary
 from foldrs.synth.layers import Fold, Layer, fold_again, fold_flat
 from foldrs.synth.parameters import SynthParameters
 from foldrs.synth.pose import Pose, draw_pose
@@ -117,6 +118,7 @@ def make_scene(
     *,
     seed: int | np.random.SeedSequence,
     parameters: SynthParameters | None = None,
+    tables: Sequence[Photograph] = (),
 ) -> Scene:
     """Make one scene.
 
@@ -128,12 +130,17 @@ def make_scene(
         The same seed gives the same scene.
     parameters : SynthParameters, optional
         What the scene is like.
+    tables : sequence of Photograph, optional
+        A garment with a photograph shows its own cloth, on the table of one of these; by default of its own.
 
     Raises
     ------
+    ImageNotFoundError, NotAnImageError
+        If a photograph to be shown cannot be read.
     ParameterError
         If the garment cannot be folded, or does not fit into the picture, in the way the parameters ask for,
-        or if the seed is negative.
+        if the seed is negative, or if its outline encloses
+        nothing in its photograph.
     InvalidOutlineError
         If the garment's outline encloses no area or crosses itself.
     """
@@ -154,7 +161,7 @@ def make_scene(
         rings = [pose.to_image(layer.place(layer.ring)) for layer in layers]
         masks = draw_masks(rings, parameters.image_size)
         truth = {"tilt_deg": parameters.tilt_deg} | seen_at_an_angle(truth, camera.from_above)
-    image = render(garment.outline, layers, pose, masks, rng, parameters, camera, aside)
+    image = render(garment, layers, pose, masks, rng, parameters, camera, aside, tables)
     depth = draw_depth(masks, camera, aside, parameters) if parameters.depth else None
     mask = np.zeros(image.shape[:2], np.uint8)
     mask[masks.window] = np.where(coverage(masks.union()) >= 0.5, 255, 0)
