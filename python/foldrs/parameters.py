@@ -328,6 +328,9 @@ class JointFitParameters:
     """Distance that a piece of outline running the opposite way of the model's edge counts as."""
     bend: float = 0.15
     """Difference of directions (1 - cosine) that costs nothing: edges bend."""
+    bare: float = 4.0
+    """Depth within the seen outline, in noises, from which on an edge of the model with bare table beside it
+    counts as not seen: hems that wave are off by less, a gap between legs that is not there by more."""
     covered: float = 0.5
     """A chord is creased if at least this share of it lies on the crease's side."""
     coarse_noise: float = 3.0

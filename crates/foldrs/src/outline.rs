@@ -270,6 +270,18 @@ impl Outline {
     }
 }
 
+/// Whether a closed ring winds around a point. Where the ring overlaps itself there is cloth, unlike by the even-odd rule.
+pub(crate) fn encloses(ring: &[Point], q: &Point) -> bool {
+    let mut winding = 0;
+    for (k, b) in ring.iter().enumerate() {
+        let a = &ring[(k + ring.len() - 1) % ring.len()];
+        if (a.y > q.y) != (b.y > q.y) && (orientation(a, b, q) > 0.0) == (b.y > a.y) {
+            winding += if b.y > a.y { 1 } else { -1 };
+        }
+    }
+    winding != 0
+}
+
 /// Arc length from the first point to every point and back to the first.
 fn arc_lengths(points: &[Point]) -> Vec<f64> {
     let mut arc = Vec::with_capacity(points.len() + 1);

@@ -220,6 +220,9 @@ pub struct FitParameters {
     pub against: f64,
     /// Difference of directions (1 - cosine) that costs nothing: edges bend.
     pub bend: f64,
+    /// Depth within the seen outline, in noises, from which on an edge of the model with bare table beside it counts as not
+    /// seen: hems that wave are off by less, and a gap between two legs that is not there by more.
+    pub bare: f64,
     /// A chord is creased if at least this share of it lies on the crease's side.
     pub covered: f64,
     /// Noise of the first iterations, as a multiple of the noise: far from the solution nearest points mislead.
@@ -278,6 +281,7 @@ impl Default for FitParameters {
             correlation: 5.0,
             against: 6.0,
             bend: 0.15,
+            bare: 4.0,
             covered: crate::fold::COVERED,
             coarse_noise: 3.0,
             coarse_iterations: 5,

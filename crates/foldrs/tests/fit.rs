@@ -54,7 +54,12 @@ struct Scene {
 
 /// Folds the shirt over an axis and lays it elsewhere; `None` if the line creases it twice, or hardly.
 fn scene(axis: &Segment, turn: f64, mirrored: bool) -> Option<Scene> {
-    let folded = fold(&shirt(), axis).ok()?;
+    scene_of(&shirt(), axis, turn, mirrored)
+}
+
+/// The same of another garment.
+fn scene_of(garment: &Outline, axis: &Segment, turn: f64, mirrored: bool) -> Option<Scene> {
+    let folded = fold(garment, axis).ok()?;
     let [crease] = folded.creases[..] else { return None };
     if folded.flap_area() < 150.0 || folded.holes > 0 {
         return None;
@@ -81,6 +86,16 @@ fn scene(axis: &Segment, turn: f64, mirrored: bool) -> Option<Scene> {
 fn fit(scene: &Scene, mirrored: bool) -> (JointFit, JointFit) {
     let parameters = FitParameters::default();
     let template = FlexibleTemplate::new(&shirt(), &[], &parameters);
+    fit_with(template, scene, mirrored, &parameters)
+}
+
+/// A template fitted folded as the scene is, and unfolded.
+fn fit_with(
+    template: FlexibleTemplate,
+    scene: &Scene,
+    mirrored: bool,
+    parameters: &FitParameters,
+) -> (JointFit, JointFit) {
     let field = SeenField::new(&scene.outline, parameters.samples, parameters.nodes);
     let claim = Hypothesis {
         axis: scene.axis,
@@ -91,11 +106,11 @@ fn fit(scene: &Scene, mirrored: bool) -> (JointFit, JointFit) {
     };
     let start = start_from(&claim, &scene.crease, 1.0).unwrap();
     let templates = [template];
-    let folded = fit_jointly(&field, &templates, &[(0, start)], &parameters)
+    let folded = fit_jointly(&field, &templates, &[(0, start)], parameters)
         .remove(0)
         .1;
     let middle = scene.outline.centroid();
-    let unfolded = fit_unfolded(&field, &templates[0], middle, 1.0, &parameters).unwrap();
+    let unfolded = fit_unfolded(&field, &templates[0], middle, 1.0, parameters).unwrap();
     (folded, unfolded)
 }
 
@@ -275,4 +290,54 @@ fn of_one_fold_the_smaller_part_is_the_flap() {
         let crease = Axis::new(&told[0].creases[0]).unwrap();
         assert_eq!(left, flap.filter(|p| crease.side(p) > 0.0).count());
     }
+}
+
+/// Shorts of legs `gap` apart, cm; straight from hem to hem if there is none.
+fn shorts(gap: f64) -> Outline {
+    let mut corners = vec![[-16.0, 0.0], [-26.0, 40.0]];
+    if gap > 0.0 {
+        corners.extend([[-gap / 2.0, 40.0], [0.0, 15.0], [gap / 2.0, 40.0]]);
+    }
+    corners.extend([[26.0, 40.0], [16.0, 0.0]]);
+    Outline::new(corners.iter().map(|&[x, y]| Point::new(x, y)).collect()).unwrap()
+}
+
+/// Hardly bending, so that legs cannot close; and the same to which nothing lies too deep within to be overlooked.
+fn stiff_and_blind() -> [FitParameters; 2] {
+    let mut stiff = FitParameters::default();
+    stiff.shape = 0.005;
+    let mut blind = stiff.clone();
+    blind.bare = f64::INFINITY;
+    [stiff, blind]
+}
+
+#[test]
+fn a_gap_that_is_not_seen_speaks_against_a_template() {
+    let cost_of_gap = |seen: &Outline| {
+        let [with, without] = stiff_and_blind().map(|parameters| {
+            let template = FlexibleTemplate::new(&shorts(8.0), &[], &parameters);
+            let field = SeenField::new(seen, parameters.samples, parameters.nodes);
+            let fit = fit_unfolded(&field, &template, seen.centroid(), 1.0, &parameters);
+            fit.unwrap().residual
+        });
+        with - without
+    };
+    let closed = cost_of_gap(&shorts(0.0).positive());
+    assert!(closed > 3.0, "{closed}");
+    assert!(cost_of_gap(&shorts(8.0).positive()).abs() < 0.1);
+}
+
+#[test]
+fn a_gap_that_the_flap_covers_need_not_be_seen() {
+    // The left leg's outer half is turned over the gap.
+    let axis = [Point::new(-8.0, -90.0), Point::new(-8.0, 110.0)];
+    let scene = scene_of(&shorts(8.0), &axis, 0.5, false).unwrap();
+    assert!(scene
+        .outline
+        .contains(&(Rotation2::new(0.5) * Point::new(0.0, 35.0) + Vector2::new(12.0, -40.0))));
+    let [with, without] = stiff_and_blind().map(|parameters| {
+        let template = FlexibleTemplate::new(&shorts(8.0), &[], &parameters);
+        fit_with(template, &scene, false, &parameters).0.residual
+    });
+    assert!((with - without).abs() < 0.5, "{with} {without}");
 }

@@ -81,12 +81,6 @@ impl SeenField {
             .map(|(k, _)| (k, self.grid.node(k)))
     }
 
-    /// Distance of a point outside the outline and its gradient; `None` within.
-    pub(super) fn outside(&self, p: &Point) -> Option<(f64, Vector)> {
-        let (out, gradient) = self.at(p);
-        (out > 0.0).then_some((out, gradient))
-    }
-
     /// Distance from the outline, positive outside, and its gradient; far off the grid it grows on.
     #[inline]
     pub(super) fn at(&self, p: &Point) -> (f64, Vector) {

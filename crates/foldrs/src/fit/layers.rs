@@ -53,6 +53,11 @@ impl Piece {
 }
 
 impl Layers {
+    /// The rims of all layers of cloth where they lie now.
+    pub(super) fn rings(&self) -> Vec<Vec<Point>> {
+        self.cloths.iter().map(Cloth::ring).collect()
+    }
+
     /// The part of a fold's axis between the first and the last point it creases.
     pub(super) fn creased(&self, fold: usize, axis: &Axis) -> Segment {
         let ends = self

@@ -10,6 +10,7 @@ use super::shape::FlexibleTemplate;
 use super::solve::{JointFit, Start};
 use crate::crease::Axis;
 use crate::fold::Layer;
+use crate::outline::encloses;
 use crate::parameters::FitParameters;
 use crate::{Point, Segment, Vector};
 use nalgebra::{DVector, Matrix2};
@@ -262,7 +263,7 @@ impl<'a> Problem<'a> {
         let jacobian = self.jacobian(state, &laid);
         let pieces = &laid.layers.pieces;
         self.explain_seen(pieces, &jacobian, noise, &mut normal);
-        self.stay_inside(pieces, &jacobian, noise, &mut normal);
+        self.stay_inside(&laid.layers, &jacobian, noise, &mut normal);
         self.follow_shown(pieces, &jacobian, &mut normal);
         Some(normal)
     }
@@ -288,15 +289,30 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// No edge of the model should stick out of the seen outline.
-    fn stay_inside(&self, pieces: &[Piece], jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
+    /// No edge of the model should stick out of the seen outline, and none that has nothing but the table beside it
+    /// should lie far within: it would have been seen.
+    fn stay_inside(&self, layers: &Layers, jacobian: &Jacobian, noise: f64, normal: &mut Normal) {
         let p = self.parameters;
-        for piece in pieces.iter().filter(|piece| piece.layer != Layer::Crease) {
+        let deep = p.bare * noise;
+        let cloths = layers.rings();
+        for piece in layers.pieces.iter().filter(|piece| piece.layer != Layer::Crease) {
             for (t, length) in piece.places(self.field.spacing) {
+                let place = jacobian.point(piece, t);
+                let (out, gradient) = self.field.at(&place);
+                let bare = || {
+                    !cloths
+                        .iter()
+                        .any(|ring| encloses(ring, &(place - piece.across() * p.noise)))
+                };
+                let off = if out > 0.0 {
+                    out
+                } else if out < -deep && bare() {
+                    out + deep
+                } else {
+                    continue;
+                };
                 let weight = (length / p.correlation).min(1.0);
-                if let Some((out, gradient)) = self.field.outside(&jacobian.point(piece, t)) {
-                    normal.add(piece, t, out, gradient, 0.0, noise, weight, p.tail, jacobian);
-                }
+                normal.add(piece, t, off, gradient, 0.0, noise, weight, p.tail, jacobian);
             }
         }
     }

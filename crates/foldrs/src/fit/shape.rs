@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 ///
 /// Three things are expected of a real garment, in the template's units: its corners lie near the template's; short
 /// edges keep their length and direction better than long ones (so curved hems and collars move as one); and
-/// its two halves differ less from each other than from the template.
+/// its two halves differ less from each other than from the template, as do the other two halves of one that is its own
+/// mirror image twice (a towel).
 #[derive(Debug, Clone)]
 pub struct FlexibleTemplate {
     /// Corners of the simplified template relative to [`FlexibleTemplate::centre`], wound positively.
@@ -57,14 +58,15 @@ impl FlexibleTemplate {
         }
         let asymmetry = (parameters.asymmetry * unit).powi(-2);
         if let Some(map) = mirror_map(mirror) {
-            for (i, j) in mirror_vertices(points, &map, 0.02 * unit) {
-                if i == j {
-                    // A corner on the mirror axis should stay there.
-                    let across = (Matrix2::identity() - map.linear) / 2.0;
-                    add_form(&mut precision, i, &across, 2.0 * asymmetry);
-                } else {
-                    add_difference(&mut precision, i, j, &map.linear, asymmetry);
-                }
+            let tolerance = 0.02 * unit;
+            let pairs = mirror_vertices(points, &map, tolerance);
+            add_mirrored(&mut precision, &pairs, &map, asymmetry);
+            // What is its own mirror image across this axis as well, a rectangle, keeps that too.
+            let other = across(&map, &centre);
+            let pairs = mirror_vertices(points, &other, tolerance);
+            let paired: usize = pairs.iter().map(|(i, j)| if i == j { 1 } else { 2 }).sum();
+            if paired == n {
+                add_mirrored(&mut precision, &pairs, &other, asymmetry);
             }
         }
         let log_det = log_determinant(&precision).unwrap_or(0.0);
@@ -165,6 +167,19 @@ fn add_difference(precision: &mut DMatrix<f64>, i: usize, j: usize, m: &Matrix2<
     }
 }
 
+/// Adds, with a weight, that pairs of corners move as mirror images of each other.
+fn add_mirrored(precision: &mut DMatrix<f64>, pairs: &[(usize, usize)], mirror: &PlaneMap, weight: f64) {
+    for &(i, j) in pairs {
+        if i == j {
+            // A corner on the mirror axis should stay there.
+            let off = (Matrix2::identity() - mirror.linear) / 2.0;
+            add_form(precision, i, &off, 2.0 * weight);
+        } else {
+            add_difference(precision, i, j, &mirror.linear, weight);
+        }
+    }
+}
+
 /// Adds `weight |M d_i|^2` to the quadratic form.
 fn add_form(precision: &mut DMatrix<f64>, i: usize, m: &Matrix2<f64>, weight: f64) {
     let form = m.transpose() * m * weight;
@@ -183,6 +198,15 @@ fn mirror_map(pairs: &[[Point; 2]]) -> Option<PlaneMap> {
     let mut map = PlaneMap::similarity(&from, &to, None)?;
     map.linear.column_mut(0).neg_mut();
     Some(map)
+}
+
+/// The reflection at right angles to another, over an axis through a point.
+fn across(mirror: &PlaneMap, through: &Point) -> PlaneMap {
+    let linear = -mirror.linear;
+    PlaneMap {
+        linear,
+        offset: through.coords - linear * through.coords,
+    }
 }
 
 /// Pairs of corners that the reflection maps onto each other; a corner on its axis is paired with itself.
@@ -221,6 +245,25 @@ mod tests {
         let skewed = DVector::from_vec(vec![2.0, 0.0, 2.0, 0.0, -2.0, 0.0, -2.0, 0.0]);
         assert!(template.cost(&wider) < template.cost(&skewed));
         assert_eq!(template.cost(&DVector::zeros(8)), 0.0);
+    }
+
+    #[test]
+    fn what_is_symmetric_twice_keeps_both() {
+        let template = |top: f64| {
+            let p = [(-20.0, 0.0), (20.0, 0.0), (top, 50.0), (-top, 50.0)].map(|(x, y)| Point::new(x, y));
+            let outline = Outline::new(p.to_vec()).unwrap();
+            FlexibleTemplate::new(&outline, &[[p[0], p[1]], [p[3], p[2]]], &FitParameters::default())
+        };
+        // Mirrored changes: of a side's both ends alike, and of one of them alone, of the same length in all.
+        let stretched = DVector::from_vec(vec![-2.0, 0.0, 2.0, 0.0, 2.0, 0.0, -2.0, 0.0]);
+        let slanted = DVector::from_vec(vec![-2.0, 0.0, 2.0, 0.0, -2.0, 0.0, 2.0, 0.0]);
+        let more = |top: f64| {
+            let template = template(top);
+            template.cost(&slanted) - template.cost(&stretched)
+        };
+        // A rectangle would rather stay one; a trapezium, of all but the same size, has nothing to keep.
+        assert!(more(20.0) > 2.0 * more(22.0), "{} {}", more(20.0), more(22.0));
+        assert!(template(20.0).cost(&stretched) < 1.1 * template(22.0).cost(&stretched));
     }
 
     #[test]
