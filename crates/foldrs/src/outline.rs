@@ -341,3 +341,31 @@ fn segments_meet([a, b]: Segment, [c, d]: Segment) -> bool {
         || (d1 == 0.0 && within(&a, [&c, &d]))
         || (d2 == 0.0 && within(&b, [&c, &d]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cloth_is_where_a_ring_overlaps_itself_whichever_way_it_runs() {
+        // A strip that turns back over itself: it winds around (4, 1) twice, around (8, 1) once.
+        let strip = [
+            (0.0, 0.0),
+            (10.0, 0.0),
+            (10.0, 2.0),
+            (3.0, 2.0),
+            (3.0, 0.0),
+            (6.0, 0.0),
+            (6.0, 2.0),
+            (0.0, 2.0),
+        ];
+        let mut ring = strip.map(|(x, y)| Point::new(x, y)).to_vec();
+        for _ in 0..2 {
+            assert!(encloses(&ring, &Point::new(4.0, 1.0)));
+            assert!(encloses(&ring, &Point::new(8.0, 1.0)));
+            assert!(!encloses(&ring, &Point::new(11.0, 1.0)));
+            assert!(!encloses(&ring, &Point::new(4.0, 3.0)));
+            ring.reverse();
+        }
+    }
+}

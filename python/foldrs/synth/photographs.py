@@ -44,17 +44,32 @@ _TABLE_TRIES = 60
 """Photographs looked at, or tables drawn, before the one that stands out most is taken."""
 
 
-def cut_cloth(photograph: Photograph, outline: Points, rng: np.random.Generator) -> Cloth:
-    """Cut a garment's cloth out of a photograph.
+def cut_out(
+    photograph: Photograph,
+    tables: Sequence[Photograph],
+    outline: Points,
+    rng: np.random.Generator,
+    parameters: SynthParameters,
+) -> tuple[Picture, Cloth]:
+    """Cut a garment's cloth out of a photograph, and a table that it stands out from out of another.
 
     Parameters
     ----------
     photograph : Photograph
         Where the cloth is seen. Its garment's bounding box becomes that of the outline.
+    tables : sequence of Photograph
+        The tables to choose from. If none of them shows enough table, one is drawn.
     outline : ndarray of shape (n, 2)
         The unfolded outline, cm. What of it lies beyond the cloth shows the nearest cloth.
     rng : numpy.random.Generator
         Source of all randomness.
+    parameters : SynthParameters
+        ``image_size``, ``px_per_cm`` and ``contrast``.
+
+    Returns
+    -------
+    tuple of Picture and Cloth
+        The table, which fills the picture and is mirrored where the strip seen of it ends; and the cloth.
 
     Raises
     ------
@@ -63,14 +78,21 @@ def cut_cloth(photograph: Photograph, outline: Points, rng: np.random.Generator)
     ParameterError
         If the outline encloses nothing in the photograph.
     """
-    seen = _with_cloth_beyond(photograph)
+    picture = read_image(photograph.path)
+    inner = _inner(photograph, picture)
+    table = _lay_table(tables, picture[inner > 0].reshape(-1, 3).mean(axis=0), rng, parameters)
+    return table, _cut_cloth(_with_cloth_beyond(picture, inner), photograph.outline, outline, rng)
+
+
+def _cut_cloth(seen: RgbImage, traced: Points, outline: Points, rng: np.random.Generator) -> Cloth:
+    """Take the cloth over the bounding box of an outline (cm) from that of the traced one (px)."""
     origin = outline.min(axis=0) - BORDER_CM
     width, height = np.ceil((outline.max(axis=0) + BORDER_CM - origin) * TEXELS_PER_CM).astype(int)
-    px_per_cm = np.ptp(photograph.outline, axis=0) / np.ptp(outline, axis=0)
+    px_per_cm = np.ptp(traced, axis=0) / np.ptp(outline, axis=0)
     step = px_per_cm / TEXELS_PER_CM
     if step.max() > 1:  # finer than the texture: what it cannot show is blurred away first
         seen = np.asarray(cv2.GaussianBlur(seen, (0, 0), 0.4 * float(step.max())), np.uint8)
-    corner = photograph.outline.min(axis=0) - BORDER_CM * px_per_cm
+    corner = traced.min(axis=0) - BORDER_CM * px_per_cm
     way = np.array([[step[0], 0.0, corner[0]], [0.0, step[1], corner[1]]])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     front = cv2.warpAffine(seen, way, (int(width), int(height)), flags=flags, borderMode=cv2.BORDER_REPLICATE)
@@ -78,34 +100,13 @@ def cut_cloth(photograph: Photograph, outline: Points, rng: np.random.Generator)
     return Cloth(np.asarray(front, np.uint8), np.asarray(back, np.uint8), origin)
 
 
-def lay_table(
+def _lay_table(
     photographs: Sequence[Photograph],
-    cloth: Photograph,
+    cloth: NDArray[np.floating],
     rng: np.random.Generator,
     parameters: SynthParameters,
 ) -> Picture:
-    """Fill a picture with a photographed table, mirrored at its ends, that the cloth stands out from.
-
-    Parameters
-    ----------
-    photographs : sequence of Photograph
-        The tables to choose from. If none of them shows enough table, one is drawn.
-    cloth : Photograph
-        The cloth that will lie there.
-    rng : numpy.random.Generator
-        Source of all randomness.
-    parameters : SynthParameters
-        ``image_size``, ``px_per_cm`` and ``contrast``.
-
-    Raises
-    ------
-    ImageNotFoundError, NotAnImageError
-        As :func:`foldrs.image.read_image`.
-    ParameterError
-        If the outline encloses nothing in the photograph.
-    """
-    picture = read_image(cloth.path)
-    colour = picture[_inner(cloth, picture) > 0].reshape(-1, 3).mean(axis=0)
+    """Fill a picture with a table that stands out from the mean colour of the cloth."""
     looked_at = (photographs[k] for k in rng.permutation(len(photographs))[:_TABLE_TRIES])
     strips = (strip for strip in map(_table_beside, looked_at) if strip is not None)
     first = next(strips, None)
@@ -114,7 +115,7 @@ def lay_table(
         if first is None
         else (_tiled(strip, rng, parameters) for strip in chain([first], strips))
     )
-    return _standing_out(tables, colour, parameters.contrast)
+    return _standing_out(tables, cloth, parameters.contrast)
 
 
 def _standing_out(tables: Iterator[Picture], cloth: NDArray[np.floating], enough: float) -> Picture:
@@ -143,10 +144,8 @@ def _inner(photograph: Photograph, picture: RgbImage) -> NDArray[np.uint8]:
     return inner
 
 
-def _with_cloth_beyond(photograph: Photograph) -> RgbImage:
-    """Read a photograph and replace what is not cloth by the nearest cloth."""
-    picture = read_image(photograph.path)
-    cloth = _inner(photograph, picture)
+def _with_cloth_beyond(picture: RgbImage, cloth: NDArray[np.uint8]) -> RgbImage:
+    """Replace what is not cloth by the nearest cloth."""
     _, nearest = cv2.distanceTransformWithLabels(1 - cloth, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
     colours = np.zeros((int(nearest.max()) + 1, 3), np.uint8)
     colours[nearest[cloth > 0]] = picture[cloth > 0]

@@ -14,7 +14,7 @@ from foldrs.synth.cloth import Cloth, draw_cloth
 from foldrs.synth.garment import Garment, Photograph
 from foldrs.synth.layers import Layer
 from foldrs.synth.parameters import SynthParameters
-from foldrs.synth.photographs import cut_cloth, lay_table
+from foldrs.synth.photographs import cut_out
 from foldrs.synth.pose import Pose
 from foldrs.synth.raster import LayerMasks, coverage
 from foldrs.synth.references import lay_references
@@ -80,8 +80,7 @@ def render(
         picture = draw_table(rng, parameters)
         cloth = draw_cloth(garment.outline, picture, rng, parameters)
     else:
-        picture = lay_table(tables or [photograph], photograph, rng, parameters)
-        cloth = cut_cloth(photograph, garment.outline, rng)
+        picture, cloth = cut_out(photograph, tables or [photograph], garment.outline, rng, parameters)
     if parameters.tilt_deg > 0:
         picture = camera.seen(picture)
     if parameters.marker_cm or parameters.sheet:

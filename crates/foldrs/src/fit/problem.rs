@@ -299,6 +299,7 @@ impl<'a> Problem<'a> {
             for (t, length) in piece.places(self.field.spacing) {
                 let place = jacobian.point(piece, t);
                 let (out, gradient) = self.field.at(&place);
+                // A gap narrower than the noise may be closed.
                 let bare = || {
                     !cloths
                         .iter()
