@@ -14,7 +14,8 @@ import pytest
 import shapely
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
-from shapely.geometry import LineString, Point, Polygon
+from hypothesis.extra.numpy import arrays
+from shapely.geometry import LinearRing, LineString, Point, Polygon
 
 from conftest import SHARED, simple_polygons
 from foldrs.errors import FoldrsError, InvalidOutlineError, ParameterError
@@ -30,6 +31,7 @@ from foldrs.synth import (
     make_scenes,
 )
 from foldrs.synth.layers import Turn
+from foldrs.synth.ordered_landmarks import follow_outline
 from foldrs.template import builtin_templates
 
 TEMPLATES = builtin_templates()
@@ -509,6 +511,50 @@ def test_size_of_a_traced_outline() -> None:
     for sizes in ({}, {"size_cm": 50.0, "area_cm2": 9.0}, {"size_cm": -1.0}, {"area_cm2": float("nan")}):
         with pytest.raises(ParameterError, match="size"):
             garment_from_outline(ring, traced, "flag", **sizes)
+
+
+def test_landmarks_of_a_corner_turned_in_keep_their_order() -> None:
+    # The third corner lies so far within that the place nearest to it is beyond the fourth.
+    ring = [(0.0, 0.0), (40.0, 0.0), (40.0, 20.0), (20.0, 40.0), (0.0, 40.0)]
+    corners = {"a": (0.0, 0.0), "b": (40.0, 0.0), "c": (3.0, 20.0), "d": (0.0, 39.0)}
+    as_given = garment_from_outline(ring, corners, "towel", size_cm=40.0)
+    assert turns_round(as_given) != pytest.approx(1.0)
+    for order in ("abcd", "dcba", "cdab"):
+        kept = garment_from_outline(ring, corners, "towel", size_cm=40.0, order=order)
+        assert turns_round(kept) == pytest.approx(1.0)
+        np.testing.assert_allclose(kept.landmarks["a"], corners["a"], atol=0.5)
+        np.testing.assert_allclose(kept.landmarks["b"], corners["b"], atol=0.5)
+    with pytest.raises(ParameterError, match="e"):
+        garment_from_outline(ring, corners, "towel", size_cm=40.0, order="abcde")
+
+
+def turns_round(garment: Garment) -> float:
+    """How often one goes round the outline to pass the landmarks a, b, c, d in turn, the shorter way."""
+    outline = LinearRing(garment.outline)
+    arc = np.array([outline.project(Point(garment.landmarks[mark])) for mark in "abcd"])
+    steps = np.roll(arc, -1) - arc
+    return min((way * steps % outline.length).sum() for way in (1, -1)) / outline.length
+
+
+@given(ring=simple_polygons, data=st.data())
+def test_no_order_of_places_along_an_outline_is_nearer(ring: np.ndarray, data: st.DataObject) -> None:
+    low, high = ring.min(axis=0), ring.max(axis=0)
+    shares = data.draw(arrays(float, (4, 2), elements=st.floats(0, 1)))
+    marks = low + shares * (high - low)
+    placed = follow_outline(ring, marks)
+    outline = LinearRing(ring)
+    arc = outline.project([Point(p) for p in placed])
+    if (placed == marks).all():
+        return  # their nearest places follow each other
+    assert max(outline.distance([Point(p) for p in placed])) < 1e-6 * outline.length
+    # Any four places that follow each other lie as far off or farther, up to the spacing of those tried.
+    others = np.sort(data.draw(arrays(float, 4, elements=st.floats(0, 1), unique=True))) * outline.length
+    others = np.roll(others[:: data.draw(st.sampled_from([1, -1]))], data.draw(st.integers(0, 3)))
+    away = np.linalg.norm([outline.interpolate(a).coords[0] for a in others] - marks, axis=1)
+    spacing = outline.length / 400
+    assert (np.linalg.norm(placed - marks, axis=1) ** 2).sum() <= ((away + 4 * spacing) ** 2).sum()
+    steps = np.roll(arc, -1) - arc
+    assert min((way * steps % outline.length).sum() for way in (1, -1)) == pytest.approx(outline.length)
 
 
 @settings(max_examples=12)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _core
 from foldrs.errors import InvalidOutlineError, ParameterError
+from foldrs.synth.ordered_landmarks import follow_outline
 from foldrs.synth.parameters import SynthParameters
 
 Points = NDArray[np.float64]
@@ -89,6 +90,7 @@ def garment_from_outline(
     size_cm: float | None = None,
     area_cm2: float | None = None,
     symmetry: Sequence[tuple[str, str]] = (),
+    order: Sequence[str] = (),
     name: str = "",
     photograph: str | Path | None = None,
 ) -> Garment:
@@ -106,6 +108,10 @@ def garment_from_outline(
         The real size, one of the two: the longer side of the upright bounding box in cm, or the area in cm^2.
     symmetry : sequence of pairs of str, optional
         Landmarks that mirror each other.
+    order : sequence of str, optional
+        Landmarks in the order they have along the outline, in either direction; at least four say something.
+        If the places nearest to them have another order, they are moved to places that keep it: one marked at
+        a corner that lies turned in may be nearest to a place beyond its neighbour.
     name : str, optional
         Which garment it is, for the ground truth.
     photograph : str or Path, optional
@@ -116,7 +122,8 @@ def garment_from_outline(
     InvalidOutlineError
         If the outline encloses no area or crosses itself.
     ParameterError
-        If not exactly one of ``size_cm`` and ``area_cm2`` is given, or it is not positive.
+        If not exactly one of ``size_cm`` and ``area_cm2`` is given, or it is not positive, or ``order`` names
+        what is not among the landmarks.
     """
     ring = checked(Garment(garment_type, np.asarray(outline, dtype=np.float64), {})).outline
     given = [size for size in (size_cm, area_cm2) if size is not None]
@@ -126,7 +133,12 @@ def garment_from_outline(
         scale = size_cm / float(np.ptp(ring, axis=0).max())
     else:
         scale = float(np.sqrt(given[0] / polygon_area(ring)))
-    marks = {mark: np.asarray(point, dtype=np.float64) * scale for mark, point in landmarks.items()}
+    marks = {mark: np.asarray(point, dtype=np.float64) for mark, point in landmarks.items()}
+    if unknown := [mark for mark in order if mark not in marks]:
+        raise ParameterError(f"order names {', '.join(unknown)}, not among the landmarks.")
+    if order:
+        marks |= zip(order, follow_outline(ring, np.array([marks[mark] for mark in order])), strict=True)
+    marks = {mark: point * scale for mark, point in marks.items()}
     seen = None if photograph is None else Photograph(Path(photograph), ring)
     return Garment(garment_type, ring * scale, marks, tuple(symmetry), name, seen)
 
