@@ -99,6 +99,42 @@ def test_images_are_taken_as_they_are_needed() -> None:
     assert next(taken) < 20
 
 
+class Waiting:
+    """An outline that is not there before something happens."""
+
+    def __init__(self, event: threading.Event) -> None:
+        self.event = event
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        assert self.event.wait(60)
+        return np.array(SQUARE, dtype=dtype)
+
+
+def test_what_waits_for_a_slow_image_is_bounded() -> None:
+    there, taken = threading.Event(), itertools.count()
+    endless = (SQUARE if next(taken) == 0 else SQUARE[:2] for _ in itertools.count())
+    images = itertools.chain([Waiting(there)], endless)
+    answers = foldrs.fit_many(images, jobs=2, **TOWEL)  # type: ignore[arg-type]
+    threading.Timer(1.0, there.set).start()
+    assert isinstance(next(answers), FitResult)
+    answers.close()  # type: ignore[attr-defined]
+    # Every outline of two points is refused at once: a second is enough for thousands.
+    assert next(taken) < 200
+
+
+def test_opencv_has_its_threads_back_whichever_batch_ends_first() -> None:
+    before = cv2.getNumThreads()
+    try:
+        cv2.setNumThreads(3)
+        one, two = (foldrs.fit_many([SQUARE] * 9, **TOWEL) for _ in range(2))
+        next(one), next(two)
+        one.close()  # type: ignore[attr-defined]
+        two.close()  # type: ignore[attr-defined]
+        assert cv2.getNumThreads() == 3
+    finally:
+        cv2.setNumThreads(before)
+
+
 def test_a_file_that_was_sent_is_named_as_it_was_given(tmp_path: Path) -> None:
     bad = tmp_path / "text.jpg"
     bad.write_text("no picture")
@@ -108,11 +144,38 @@ def test_a_file_that_was_sent_is_named_as_it_was_given(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "words"), [({"timeout": 0}, "positive"), ({"timeout": float("nan")}, "positive")]
+    ("options", "words"),
+    [
+        ({"timeout": 0}, "positive"),
+        ({"timeout": float("nan")}, "positive"),
+        ({"jobs": 0}, "jobs"),
+        ({"jobs": -1}, "jobs"),
+        ({"jobs": 10**30}, "jobs"),
+    ],
 )
 def test_limits_out_of_range(options: dict[str, Any], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
-        list(foldrs.fit_many([SQUARE], **options))
+        foldrs.fit_many([SQUARE], **options)  # at the call, not when the first answer is asked for
+
+
+def test_so_many_images_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    at_a_time, most = 0, 0
+    lock = threading.Lock()
+
+    def fit(source: object, **_: object) -> object:
+        nonlocal at_a_time, most
+        with lock:
+            at_a_time += 1
+            most = max(most, at_a_time)
+        time.sleep(0.05)
+        with lock:
+            at_a_time -= 1
+        return source
+
+    foldrs.fit(SQUARE, **TOWEL)  # the pool is there, as large as it is
+    monkeypatch.setattr("foldrs.pipeline.fit", fit)
+    list(foldrs.fit_many([SQUARE] * 4, jobs=1))
+    assert most == 1
 
 
 def test_an_executor_has_its_own_workers() -> None:
@@ -194,6 +257,44 @@ def test_a_process_ends_with_its_thread() -> None:
 def test_an_image_that_takes_too_long_does_not_stop_the_others(photo: Path) -> None:
     found = list(foldrs.fit_many([photo, SQUARE], timeout=0.001, jobs=1))
     assert [type(one) for one in found] == [FitTimeoutError, FitTimeoutError]
+
+
+class Napping:
+    """An outline that takes its time."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        time.sleep(300.0)
+        return np.array(SQUARE, dtype=dtype)
+
+
+def test_ending_a_batch_ends_the_processes_beside_it() -> None:
+    answers = foldrs.fit_many([SQUARE, Napping(), Napping()], timeout=600, jobs=2, **TOWEL)  # type: ignore[list-item]
+    assert isinstance(next(answers), FitResult)
+    begin = time.monotonic()
+    answers.close()  # type: ignore[attr-defined]
+    assert time.monotonic() - begin < 100
+
+
+class OnlyHere:
+    """Can be sent, but not be built again."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return vanished, ()
+
+
+def vanished() -> None:
+    raise AttributeError("no such class here")
+
+
+def test_what_a_process_cannot_read_is_told_and_the_next_one_runs() -> None:
+    run = Killable(nap, 600.0)
+    begin = time.monotonic()
+    for argument, words in ((OnlyHere(), "no such class here"), (lambda: 0, "sent")):
+        told, _ = run(argument)
+        assert isinstance(told, ParameterError)
+        assert words in str(told)
+    assert run(0.0) == (0.0, ())
+    assert time.monotonic() - begin < 300
 
 
 class LosingExecutor(Executor):

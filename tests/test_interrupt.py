@@ -104,23 +104,41 @@ def test_ctrl_c_ends_the_command(tmp_path: Path, images: int) -> None:
     assert not list(out.glob("*"))
 
 
-def test_stopping_all_ends_calls_in_other_threads(outline: np.ndarray) -> None:
+def test_a_stop_ends_calls_in_the_threads_that_heed_it(outline: np.ndarray) -> None:
     parameters = asdict(Parameters().matching)
     seen = _core.Seen(outline, parameters)
     templates = [t.outline for t in builtin_templates()] * 200
-    with ThreadPoolExecutor(2) as pool:
-        try:
-            calls = [pool.submit(seen.matches, templates) for _ in range(2)]
-            time.sleep(0.2)
-            _core.stop_all()
-            for call in calls:
-                with pytest.raises(KeyboardInterrupt):
-                    call.result(timeout=SOON)
+    stop = _core.Stop()
+    with ThreadPoolExecutor(2, initializer=stop.heed) as pool:
+        calls = [pool.submit(seen.matches, templates) for _ in range(2)]
+        time.sleep(0.2)
+        stop.request()
+        for call in calls:
             with pytest.raises(KeyboardInterrupt):
-                seen.matches(templates)
-        finally:
-            _core.stop_all(False)
+                call.result(timeout=SOON)
+        with pytest.raises(KeyboardInterrupt):
+            pool.submit(seen.matches, templates).result(timeout=SOON)
     assert seen.matches(templates[:1])[0]
+
+
+def test_ending_one_batch_leaves_other_fits_alone(outline: np.ndarray) -> None:
+    one = next(foldrs.fit_many([outline], garment_type="shorts"))
+    ended, told = threading.Event(), []
+
+    def fit_meanwhile() -> None:
+        while not ended.is_set():
+            told.append(foldrs.fit(outline, garment_type="shorts"))
+
+    with ThreadPoolExecutor(1) as pool:
+        meanwhile = pool.submit(fit_meanwhile)
+        for _ in range(3):
+            answers = foldrs.fit_many([outline] * 20, garment_type="shorts")
+            next(answers)
+            answers.close()  # type: ignore[attr-defined]
+        ended.set()
+        meanwhile.result(timeout=SOON)
+    assert isinstance(one, foldrs.FitResult)
+    assert {each.matching_cost for each in told} == {one.matching_cost}
 
 
 def test_what_ends_the_block_early_ends_its_fits(outline: np.ndarray) -> None:

@@ -24,6 +24,7 @@ __all__ = [
     "JointExplanation",
     "JointFits",
     "Seen",
+    "Stop",
     "__version__",
     "align",
     "alignment_costs",
@@ -48,7 +49,6 @@ __all__ = [
     "sides",
     "signed_area",
     "simplify",
-    "stop_all",
 ]
 
 __version__: str
@@ -56,11 +56,16 @@ __version__: str
 def set_threads(threads: int | None = None) -> int:
     """Set the size of the thread pool unless it is in use already; return the size it has."""
 
-def stop_all(stopped: bool = True) -> None:
-    """Make long calls, running and to come, raise KeyboardInterrupt in every thread; or no longer, by False.
+@final
+class Stop:
+    """Ends the long calls of the threads that heed it; a signal ends only what Python's main thread is at."""
 
-    A signal ends only what Python's main thread is at: programs that fit in other threads call this first.
-    """
+    def __new__(cls) -> Stop: ...
+    def heed(self) -> None:
+        """Make the calling thread's long calls heed this; of several the last one counts."""
+
+    def request(self) -> None:
+        """Make long calls, running and to come, raise KeyboardInterrupt in every thread that heeds this."""
 
 def default_parameters() -> dict[str, Any]:
     """Parameters of the crate's stages with their defaults, grouped by stage."""

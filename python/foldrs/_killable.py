@@ -17,13 +17,40 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from foldrs.errors import FitTimeoutError, WorkerLostError
+from foldrs.errors import FitTimeoutError, ParameterError, WorkerLostError
 
 Noted: TypeAlias = tuple[Any, tuple[str, ...]]
 """An answer, and what is doubtful about it."""
 
 _own = threading.local()
-"""Its `worker` is the process beside this thread."""
+"""Its `worker` is the process beside this thread, its `crew` that of the thread, if it has one."""
+
+
+class Crew:
+    """Threads whose processes can be ended together."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._processes: set[subprocess.Popen[bytes]] = set()
+        self._ended = False
+
+    def join(self) -> None:
+        """Have the calling thread's processes belong to it from now on."""
+        _own.crew = self
+
+    def add(self, process: subprocess.Popen[bytes]) -> None:
+        """Take a process in; after `end` only to end it."""
+        with self._lock:
+            self._processes = {one for one in self._processes if one.poll() is None} | {process}
+            if self._ended:
+                process.kill()
+
+    def end(self) -> None:
+        """End all processes, and those that are begun from now on."""
+        with self._lock:
+            self._ended = True
+            for process in self._processes:
+                process.kill()
 
 
 @dataclass(frozen=True)
@@ -41,11 +68,15 @@ class Killable:
 
     def __call__(self, argument: Any) -> Noted:
         """Run the task; starting a process is not counted."""
+        try:
+            call = pickle.dumps((self.task, argument))
+        except Exception as error:  # whatever the argument's own pickling raises
+            return ParameterError(f"An image could not be sent to a process of its own: {error}"), ()
         worker: _Worker | None = getattr(_own, "worker", None)
         if worker is None or worker.threads != self.threads or not worker.runs():
             worker = _own.worker = _Worker(self.threads)
         try:
-            return worker.call(self.task, argument, self.seconds)
+            return worker.call(call, self.seconds)
         except (FitTimeoutError, WorkerLostError) as error:
             _own.worker = None
             return error.with_traceback(None), ()
@@ -63,6 +94,9 @@ class _Worker:
             stdout=subprocess.PIPE,
             env=environment,
         )
+        crew: Crew | None = getattr(_own, "crew", None)
+        if crew is not None:
+            crew.add(self._process)
         # When its input closes the process ends, busy or not.
         self._close = weakref.finalize(self, _end, self._process)
         self._reply()
@@ -70,7 +104,8 @@ class _Worker:
     def runs(self) -> bool:
         return self._process.poll() is None
 
-    def call(self, task: Callable[[Any], Noted], argument: Any, seconds: float) -> Noted:
+    def call(self, call: bytes, seconds: float) -> Noted:
+        """Have a pickled (task, argument) run."""
         late = threading.Event()
         process = self._process  # not `self`: the timer's thread must not keep this alive
 
@@ -84,7 +119,7 @@ class _Worker:
         try:
             stdin = self._process.stdin
             assert stdin is not None
-            pickle.dump((task, argument), stdin)
+            pickle.dump(call, stdin)
             stdin.flush()
             reply: Noted = self._reply()
             return reply

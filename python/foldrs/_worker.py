@@ -1,7 +1,7 @@
 """A process that runs what it is sent, one call after the other: ``python -m foldrs._worker THREADS``.
 
-Calls come in as pickled pairs (function, argument), results go out pickled. It belongs to
-:mod:`foldrs._killable`.
+Calls come in as pickled pairs (function, argument), each as the bytes of its pickle; results go out pickled.
+It belongs to :mod:`foldrs._killable`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ import queue
 import signal
 import sys
 import threading
-from collections.abc import Callable
 from typing import Any, BinaryIO
 
-_Calls = queue.SimpleQueue[tuple[Callable[[Any], Any], Any]]
+_Calls = queue.SimpleQueue[bytes]
 
 
 def main() -> None:
@@ -34,8 +33,20 @@ def main() -> None:
     threading.Thread(target=_listen, args=(sys.stdin.buffer, calls), daemon=True).start()
     _send(replies, "ready")
     while True:
-        function, argument = calls.get()
-        _send(replies, function(argument))
+        _send(replies, _run(calls.get()))
+
+
+def _run(call: bytes) -> Any:
+    try:
+        function, argument = pickle.loads(call)
+    except Exception as error:  # a type that only the sender can import, for instance
+        from foldrs.errors import ParameterError
+
+        return ParameterError(
+            f"An image could not be read in the process of its own: {type(error).__name__}: {error}. "
+            "Give a path or a plain array."
+        ), ()
+    return function(argument)
 
 
 def _listen(pipe: BinaryIO, calls: _Calls) -> None:

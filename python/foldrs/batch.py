@@ -29,6 +29,12 @@ T = TypeVar("T")
 _AHEAD = 64
 """Images handed to a foreign executor ahead of their turn: keeps a cluster busy, and memory bounded."""
 
+_MOST_JOBS = 65_535
+"""Threads a pool of the crate's can have."""
+
+_HELD_BACK = 8
+"""Times as many may be taken beyond the one whose turn it is: answers wait for a slow image before them."""
+
 
 @dataclass(frozen=True)
 class ImageContent:
@@ -95,8 +101,8 @@ def fit_many(
 ) -> Iterator[Answer]:
     """Explain many garments; yields a result or an error for every image, in the order given.
 
-    No image stops the others. Images are taken from `images` a few ahead of those being fitted, so it may be
-    endless.
+    No image stops the others. Images are taken from `images` a few ahead of the one whose turn it is, so it
+    may be endless.
 
     Parameters
     ----------
@@ -107,7 +113,8 @@ def fit_many(
         ``submit``. It is not shut down. Default: threads of this process, which share the cores with the Rust
         code below them.
     jobs : int, optional
-        Images and hypotheses at a time; default: all cores. Only without `executor`.
+        Images and hypotheses at a time; default: all cores. Only without `executor`. Hypotheses keep to what
+        was first said in this process: their threads stay.
     timeout : float, optional
         Seconds an image may take. Each is then fitted in a process of its own, beside the thread or worker
         that waits for it, because nothing else can be ended at any moment; that process serves image after
@@ -126,7 +133,7 @@ def fit_many(
     Raises
     ------
     ParameterError
-        `timeout` is not positive, or `jobs` was given with `executor`.
+        `timeout` is not positive, `jobs` is less than 1, or it was given with `executor`.
 
     Warns
     -----
@@ -140,7 +147,7 @@ def fit_many(
     >>> [getattr(one, "garment_type", one) for one in foldrs.fit_many([square], garment_type="towel")]
     ['towel']
     """
-    _check(executor, jobs, timeout)
+    check_batch(executor, jobs, timeout)
     names: dict[int, str] = {}
 
     def named() -> Iterator[Source]:
@@ -148,9 +155,8 @@ def fit_many(
             names[index] = Path(source).name if isinstance(source, (str, os.PathLike)) else ""
             yield source
 
-    outcomes = fit_as_ready(
-        named(), executor=executor, jobs=jobs, timeout=timeout, send_files=send_files, **options
-    )
+    task = FitTask(options)
+    outcomes = _as_ready(task, named(), executor, jobs, timeout, send_files, held_back=_HELD_BACK)
     ordered = in_order((outcome.index, outcome) for outcome in outcomes)
     return (_answer(outcome, names.pop(outcome.index)) for outcome in ordered)
 
@@ -165,19 +171,30 @@ def fit_as_ready(
     **options: Any,
 ) -> Iterator[Outcome]:
     """Explain many garments as :func:`fit_many`, yielding each outcome when it is ready, in any order."""
-    _check(executor, jobs, timeout)
-    task: FitTask | Killable = FitTask(options)
+    check_batch(executor, jobs, timeout)
+    return _as_ready(FitTask(options), images, executor, jobs, timeout, send_files)
+
+
+def _as_ready(
+    task: FitTask,
+    images: Iterable[Source],
+    executor: Executor | None,
+    jobs: int | None,
+    timeout: float | None,
+    send_files: bool,
+    held_back: int | None = None,
+) -> Iterator[Outcome]:
     if executor is not None:
-        if timeout is not None:
-            task = Killable(task, timeout)
-        yield from _run(task, images, executor, _AHEAD, send_files)
+        run = task if timeout is None else Killable(task, timeout)
+        yield from _run(run, images, executor, _AHEAD, send_files, held_back)
         return
     threads = _core.set_threads(jobs)
-    workers = min(threads, len(images)) if isinstance(images, (list, tuple)) else threads
-    if timeout is not None:
-        task = Killable(task, timeout, threads // max(workers, 1))
-    with fitting_threads(max(workers, 1)) as pool:
-        yield from _run(task, images, pool, 2 * workers, send_files)
+    workers = min(threads, jobs or threads)
+    if isinstance(images, (list, tuple)):
+        workers = max(1, min(workers, len(images)))
+    run = task if timeout is None else Killable(task, timeout, threads // workers)
+    with fitting_threads(workers) as pool:
+        yield from _run(run, images, pool, 2 * workers, send_files, held_back)
 
 
 def in_order(numbered: Iterable[tuple[int, T]]) -> Iterator[T]:
@@ -191,7 +208,10 @@ def in_order(numbered: Iterable[tuple[int, T]]) -> Iterator[T]:
             turn += 1
 
 
-def _check(executor: Executor | None, jobs: int | None, timeout: float | None) -> None:
+def check_batch(executor: Executor | None, jobs: int | None, timeout: float | None) -> None:
+    """Raise ParameterError unless images can be fitted so."""
+    if jobs is not None and not 1 <= jobs <= _MOST_JOBS:
+        raise ParameterError(f"jobs must be a whole number from 1 to {_MOST_JOBS}, not {jobs}")
     if timeout is not None and not timeout > 0:
         raise ParameterError(f"timeout must be a positive number of seconds, not {timeout}")
     if executor is not None and jobs is not None:
@@ -201,15 +221,25 @@ def _check(executor: Executor | None, jobs: int | None, timeout: float | None) -
 
 
 def _run(
-    task: FitTask | Killable, images: Iterable[Source], executor: Executor, ahead: int, send_files: bool
+    task: FitTask | Killable,
+    images: Iterable[Source],
+    executor: Executor,
+    ahead: int,
+    send_files: bool,
+    held_back: int | None,
 ) -> Iterator[Outcome]:
-    """Run a task for every image, so many of them handed over at a time."""
+    """Run a task for every image, so many of them handed over at a time, none too far beyond the oldest."""
     sources = enumerate(images)
     running: dict[Future[Any], int] = {}
+    taken = 0
     try:
         while True:
-            for index, source in islice(sources, max(1, ahead) - len(running)):
+            room = ahead - len(running)
+            if held_back is not None and running:
+                room = min(room, min(running.values()) + held_back * ahead - taken)
+            for index, source in islice(sources, max(0, room)):
                 running[executor.submit(task, _with_content(source) if send_files else source)] = index
+                taken = index + 1
             if not running:
                 return
             done, _ = wait(running, return_when=FIRST_COMPLETED)

@@ -1,7 +1,9 @@
 //! Long calls without the GIL, which Ctrl-C ends.
 
+use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{channel, RecvTimeoutError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use foldrs::interrupt::{interruptible, Interrupt, Interrupted};
@@ -11,14 +13,31 @@ use pyo3::prelude::*;
 /// How often a waiting call looks for signals: well within the half second after which a program seems to hang.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Whether all long calls are to stop.
-static STOPPED: AtomicBool = AtomicBool::new(false);
+thread_local! {
+    /// What this thread's long calls look at beside signals.
+    static HEEDED: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
 
-/// Makes long calls, running and to come, raise KeyboardInterrupt in every thread, or no longer.
-#[pyfunction]
-#[pyo3(signature = (stopped=true))]
-pub(crate) fn stop_all(stopped: bool) {
-    STOPPED.store(stopped, Ordering::Relaxed);
+/// Ends the long calls of the threads that heed it.
+#[pyclass(frozen, module = "foldrs._core")]
+pub(crate) struct Stop(Arc<AtomicBool>);
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Self {
+        Self(Arc::default())
+    }
+
+    /// From now on the calling thread's long calls end when this is requested; of several the last one counts.
+    fn heed(&self) {
+        HEEDED.set(Some(self.0.clone()));
+    }
+
+    /// Makes long calls, running and to come, raise KeyboardInterrupt in every thread that heeds this.
+    fn request(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 /// Runs stages of the crate in its pool while this thread waits without the GIL, and looks for signals.
@@ -54,7 +73,8 @@ pub(crate) fn run<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> P
 }
 
 fn reason_to_stop() -> Option<PyErr> {
-    if STOPPED.load(Ordering::Relaxed) {
+    let stopped = HEEDED.with_borrow(|stop| stop.as_ref().is_some_and(|s| s.load(Ordering::Relaxed)));
+    if stopped {
         return Some(PyKeyboardInterrupt::new_err(Interrupted.to_string()));
     }
     // Signals are handled by Python's main thread; for others this does nothing.

@@ -27,7 +27,7 @@ mod _core {
     #[pymodule_export]
     use super::inner_distance::inner_distances;
     #[pymodule_export]
-    use super::interrupt::stop_all;
+    use super::interrupt::Stop;
     #[pymodule_export]
     use super::matching::{default_parameters, PyCandidate, PyExplanation, PySeen};
     #[pymodule_export]
