@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -572,11 +573,32 @@ def test_a_search_that_ends_dearer_than_the_truth_has_missed_it(drawn_scenes):
         missed_nats(replace(one, axis_image=None), found, templates, kind, 4.0)
 
 
+def test_the_search_is_measured_in_the_view_in_which_the_result_was_found(tmp_path):
+    """Of a picture taken at an angle the plane tells the scale and straightens outline and crease."""
+    parameters = SynthParameters(scenarios=("random",), shape_cm=1.0, tilt_deg=35.0)
+    templates = builtin_templates("pants")
+    make_scene(templates[0], seed=3, parameters=parameters).write(tmp_path, "pants-1")
+    (one,) = load_scenes(tmp_path)
+    assert one.plane is not None
+    row = Evaluation("generic", templates, true_outlines=True, search=True).run(one)
+    assert (row.error, row.right) == ("", True)
+    assert abs(row.missed_nats) < SAME_NATS
+    found = fit(one.outline_image, templates=templates, px_per_cm=one.px_per_cm)  # as if it were not known
+    missed = missed_nats(one, found, templates, Kind.of(templates, one.landmarks), one.px_per_cm)
+    assert abs(missed) < SAME_NATS
+
+
 @pytest.mark.parametrize("argument", ["--method=paper", "--protocol=open", "--folds=2"])
 def test_the_search_is_measured_for_one_fold_of_a_known_kind(drawn_scenes, argument):
     done = CliRunner().invoke(evaluate_command, [str(drawn_scenes), "--search", argument])
     assert done.exit_code == 2
     assert "--search" in done.output
+
+
+def test_the_command_knows_every_protocol():
+    (protocol,) = (option for option in evaluate_command.params if option.name == "protocol")
+    assert isinstance(protocol.type, click.Choice)
+    assert tuple(protocol.type.choices) == PROTOCOLS
 
 
 def test_the_synthetic_protocol_from_the_command_line(tmp_path):

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import base64
+import gc
+import io
 import json
 import re
+import tempfile
+import time
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -57,6 +62,15 @@ class Page(HTMLParser):
         return [
             attrs for name, attrs in self.elements if name == tag and word in (attrs.get(attribute) or "")
         ]
+
+
+class SlowToRead(io.BytesIO):
+    """A file that lets other threads come between finding the place and reading or writing there."""
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        place = super().seek(offset, whence)
+        time.sleep(0.002)
+        return place
 
 
 def read(path: Path) -> Page:
@@ -130,6 +144,36 @@ def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="shorter"):
         write([exact_result()] * 2, tmp_path / "page.html", images=[None])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_report_that_is_never_entered_leaves_nothing_open(tmp_path: Path) -> None:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        Report(tmp_path / "page.html")
+        gc.collect()
+    assert [str(one.message) for one in told if one.category is ResourceWarning] == []
+
+
+def test_images_may_be_added_while_the_page_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every part is read where it is, though other threads write to the same file in between."""
+    monkeypatch.setattr(tempfile, "TemporaryFile", SlowToRead)
+    path, names = tmp_path / "page.html", [f"photo-{k}.jpg" for k in range(40)]
+
+    def add(some: list[str]) -> None:
+        for name in some:
+            page.add(None, name=name, error="no garment")
+
+    with Report(path) as page, ThreadPoolExecutor(1) as pool:
+        add(names[:20])
+        adding = pool.submit(add, names[20:])
+        page.write()
+        early = path.read_text()
+        adding.result()
+    for text, complete in ((early, names[:20]), (path.read_text(), names)):
+        assert Page(text).open == []
+        assert all(f'<h3 id="name-{k}">{name}</h3>' in text for k, name in enumerate(complete))
 
 
 def test_a_page_may_have_no_images(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import json
 from types import ModuleType
 from typing import Any
 
+import click
 import cv2
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from foldrs.synth import (
     SCENARIOS,
     TABLES,
     Garment,
+    Photograph,
     Scene,
     SynthParameters,
     garment_from_outline,
@@ -32,6 +34,7 @@ from foldrs.synth import (
 )
 from foldrs.synth.layers import Turn
 from foldrs.synth.ordered_landmarks import follow_outline
+from foldrs.synth_cli import synth_command
 from foldrs.template import builtin_templates
 
 TEMPLATES = builtin_templates()
@@ -292,6 +295,28 @@ def test_png_keeps_the_pixels_and_the_truth_names_its_files(tmp_path: Any) -> No
         "sheet-7.mask.png",
         "sheet-7.png",
     ]
+
+
+def test_a_file_that_cannot_be_written_leaves_no_part_behind(tmp_path: Any) -> None:
+    (tmp_path / "sheet-7.jpg").mkdir()
+    with pytest.raises(OSError, match=r"sheet-7\.jpg"):
+        make_scene(RECTANGLE, seed=1).write(tmp_path, "sheet-7")
+    assert [path.name for path in tmp_path.iterdir()] == ["sheet-7.jpg"]
+
+
+def test_what_holds_arrays_can_be_compared_and_be_a_key(tmp_path: Any) -> None:
+    scene = make_scene(RECTANGLE, seed=1)
+    photograph = Photograph(tmp_path / "sheet.jpg", RECTANGLE.outline)
+    for one in (RECTANGLE, scene, scene.camera, photograph, Turn(RECTANGLE.outline[:2])):
+        assert one == one
+        assert one != dataclasses.replace(one)  # arrays are not compared
+        assert {one: "found"}[one] == "found"
+
+
+def test_the_command_knows_every_scenario() -> None:
+    (option,) = (option for option in synth_command.params if option.name == "scenarios")
+    assert isinstance(option.type, click.Choice)
+    assert tuple(option.type.choices) == SCENARIOS
 
 
 # Every parameter is obeyed

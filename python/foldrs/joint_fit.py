@@ -13,6 +13,7 @@ from foldrs.explanation import Explanation, Points
 from foldrs.landmark import carried
 from foldrs.parameters import Parameters
 from foldrs.picture import Picture
+from foldrs.registration import perimeter
 from foldrs.result import FittedTemplate, Fold
 from foldrs.template import Template
 
@@ -91,7 +92,7 @@ def vertex_spreads(template: Template) -> list[float] | None:
     marks = np.array([template.landmarks[name] for name in template.spread])
     outline = template.outline
     _, _, arcs = _core.nearest_on_outline(outline, np.vstack([marks, outline]))
-    length = float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum())
+    length = perimeter(outline)
     known, vertices = arcs[: len(marks)], arcs[len(marks) :]
     return [float(s) for s in np.interp(vertices, known, list(template.spread.values()), period=length)]
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from foldrs import _core
 from foldrs.parameters import Parameters
 from foldrs.plot import MatchingDetails
+from foldrs.registration import perimeter
 from foldrs.result import FitResult
 
 Points = NDArray[np.float64]
@@ -44,8 +45,8 @@ def matching_details(result: FitResult, parameters: Parameters | None = None) ->
 
     seen = _core.resample(_positive(result.outline_image * way), parameters.matching.partial_match.points)
     template = _positive(given)
-    spacing = np.linalg.norm(np.roll(seen, -1, axis=0) - seen, axis=1).mean()
-    length = np.linalg.norm(np.roll(template, -1, axis=0) - template, axis=1).sum() * scale
+    spacing = perimeter(seen) / len(seen)
+    length = perimeter(template) * scale
     points = _core.resample(template, max(20, round(length / spacing)))
 
     matches: list[tuple[Points, Points]] = []

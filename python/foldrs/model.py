@@ -18,6 +18,7 @@ from foldrs import _core
 from foldrs.explanation import Explanation
 from foldrs.landmark import carried
 from foldrs.parameters import GraspParameters
+from foldrs.registration import perimeter
 from foldrs.result import GraspMove, GraspPair, LandmarkInImage, UnfoldingAction
 
 Points = NDArray[np.float64]
@@ -152,7 +153,7 @@ def turns_at(outline: Points, points: Points, arm: float) -> NDArray[np.float64]
         Distance along the outline before and behind each point over which the turn is taken.
     """
     ring = outline if _core.signed_area(outline) > 0 else outline[::-1].copy()
-    length = float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum())
+    length = perimeter(ring)
     _, _, arc = _core.nearest_on_outline(ring, points)
     before, here, behind = (_core.points_at(ring, (arc + step) % length) for step in (-arm, 0.0, arm))
     (ux, uy), (vx, vy) = (here - before).T, (behind - here).T

@@ -613,8 +613,6 @@ class DepthParameters:
 class AlternativeParameters:
     """How many explanations are told apart, and how sure each is."""
 
-    candidates: int = 20
-    """The cheapest explanations among which alternatives are looked for."""
     most: int = 5
     """At most this many alternatives; further ones hardly ever hold the truth."""
     same_overlap: float = 0.9

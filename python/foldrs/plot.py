@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import io
 import os
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _plot_panels as panels
+from foldrs._figure_files import save_figure
 from foldrs.image import as_rgb, read_any
-from foldrs.result import FitResult, write_whole
+from foldrs.result import FitResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,9 +35,6 @@ _BAR_BOTTOM, _BAR_HEIGHT = 0.018, 0.022
 _FEWEST_COLUMNS, _MOST_COLUMNS = 3, 6  # of the strip: wider ones would be empty, narrower ones too small
 
 _LONGEST_KIND, _LONGEST_FILE = 16, 24  # letters shown
-
-# matplotlib promises nothing to threads, so pictures are drawn one at a time; encoding and writing overlap.
-_drawing = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +143,7 @@ def save_picture(
         `image` cannot be read as an image.
     """
     photo = read_any(image)
-    pixels = io.BytesIO()
-    with _drawing:
-        figure = draw_result(result, photo, details=details)
-        figure.savefig(pixels, format="raw", dpi=_DPI)
-    rgba = np.frombuffer(pixels.getvalue(), np.uint8).reshape(_HEIGHT, _WIDTH, 4)
-    _, png = cv2.imencode(".png", rgba[:, :, 2::-1])
-    write_whole(Path(path), png.tobytes())
+    save_figure(lambda: draw_result(result, photo, details=details), Path(path))
 
 
 def _draw_heading(figure: Figure, result: FitResult, details: MatchingDetails) -> None:

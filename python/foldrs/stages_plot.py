@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import cv2
-import numpy as np
 from numpy.typing import ArrayLike
 
 from foldrs import _plot_panels as panels
 from foldrs import _stages_panels as stages
+from foldrs._figure_files import save_figure
 from foldrs.errors import ParameterError
 from foldrs.image import as_rgb, read_image
-from foldrs.plot import _drawing as one_at_a_time
-from foldrs.result import FitResult, write_whole
+from foldrs.result import FitResult
 from foldrs.stages import chosen_pass
 
 if TYPE_CHECKING:
@@ -125,13 +122,7 @@ def save_stages(
         `image` cannot be read as an image.
     """
     photo = read_image(Path(image)) if isinstance(image, (str, os.PathLike)) else image
-    pixels = io.BytesIO()
-    with one_at_a_time:
-        figure = draw_stages(result, photo, shown=shown)
-        figure.savefig(pixels, format="raw", dpi=_DPI)
-    rgba = np.frombuffer(pixels.getvalue(), np.uint8).reshape(_HEIGHT, _WIDTH, 4)
-    _, png = cv2.imencode(".png", rgba[:, :, 2::-1])
-    write_whole(Path(path), png.tobytes())
+    save_figure(lambda: draw_stages(result, photo, shown=shown), Path(path))
 
 
 # -- layout --

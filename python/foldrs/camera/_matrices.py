@@ -15,6 +15,14 @@ def inverse(matrix: npt.ArrayLike) -> Matrix:
     return np.asarray(np.linalg.inv(np.asarray(matrix, dtype=np.float64)), dtype=np.float64)
 
 
+def carried(homography: Matrix, points: Matrix) -> Matrix:
+    """Carry (n, 2) points by a (3, 3) homography: (n, 3) homogeneous coordinates, the last one the depth.
+
+    Whoever divides by the depth says what becomes of points at the horizon, where it is 0, or beyond.
+    """
+    return np.asarray(np.column_stack([points, np.ones(len(points))]) @ homography.T, dtype=np.float64)
+
+
 def checked(values: npt.ArrayLike, shape: tuple[int, ...], field: str) -> Matrix:
     """Return finite numbers of a shape as a new array that cannot be written to.
 

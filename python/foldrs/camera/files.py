@@ -98,9 +98,7 @@ def load_camera(path: FilePath) -> tuple[Camera, Pose | None]:
     try:
         camera = Camera(
             intrinsic.reshape(3, 3) if intrinsic.size == 9 else intrinsic,
-            np.zeros(0)
-            if distortion is None
-            else numbers_of(distortion, "distortion_coefficients", path).ravel(),
+            np.zeros(0) if distortion is None else numbers_of(distortion, _DISTORTION_FIELD, path).ravel(),
             _size(fields, path),
         )
     except CalibrationError as error:

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.camera._matrices import checked, inverse
+from foldrs.camera._matrices import carried, checked, inverse
 from foldrs.errors import CalibrationError
 
 Points = npt.NDArray[np.float64]
@@ -77,8 +77,7 @@ class Camera:
         """Put the lens's distortion on: (n, 2) ideal px to those of the photograph."""
         if not self.distortion.any() or len(points) == 0:
             return np.array(points, dtype=np.float64)
-        homogeneous = np.column_stack([points, np.ones(len(points))])
-        rays = homogeneous @ inverse(self.matrix).T
+        rays = carried(inverse(self.matrix), points)
         still = np.zeros(3)
         image, _ = cv2.projectPoints(rays, still, still, self.matrix, self.distortion)
         return np.asarray(image, dtype=np.float64).reshape(-1, 2)

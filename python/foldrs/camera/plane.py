@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.camera._matrices import checked, inverse
+from foldrs.camera._matrices import carried, checked, inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.pose import Pose
 from foldrs.errors import CalibrationError
@@ -119,15 +119,15 @@ class TablePlane:
 def _carried(homography: Points, points: Points) -> Points:
     """Apply a homography to points that must not lie on both sides of its horizon."""
     flat = points.reshape(-1, 2)
-    carried = np.column_stack([flat, np.ones(len(flat))]) @ homography.T
-    depth = carried[:, 2]
+    there = carried(homography, flat)
+    depth = there[:, 2]
     if len(flat) and not ((depth > 0).all() or (depth < 0).all()):
         raise CalibrationError(
             "Part of the outline lies at or beyond the table's horizon: the homography or pose does not go "
             "with this photograph.",
             "homography",
         )
-    return np.asarray(carried[:, :2] / depth[:, None], dtype=np.float64)
+    return np.asarray(there[:, :2] / depth[:, None], dtype=np.float64)
 
 
 def _balanced(matrix: Points) -> Points | None:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldrs import _core
+from foldrs.registration import perimeter
 
 Points = NDArray[np.float64]
 Places = NDArray[np.float64]
@@ -33,8 +34,7 @@ class Halves:
     @property
     def right_length(self) -> float:
         """Length of the right half."""
-        edges = np.linalg.norm(np.roll(self.ring, -1, axis=0) - self.ring, axis=1)
-        return float(edges.sum()) - self.left_length
+        return perimeter(self.ring) - self.left_length
 
     def at(self, places: Places) -> Points:
         """Points of the outline at places."""

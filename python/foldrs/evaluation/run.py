@@ -120,7 +120,7 @@ def run_all(
     """Measure all scenes, yielding in the order they are ready; virtual ones come with their template."""
     pairs = [(scene, None) if isinstance(scene, Scene) else scene for scene in scenes]
     threads = _core.set_threads(jobs)
-    with fitting_threads(max(1, min(jobs or threads, len(pairs)))) as pool:
+    with fitting_threads(max(1, min(jobs or threads, threads, len(pairs)))) as pool:
         for done in as_completed([pool.submit(evaluation.run, *pair) for pair in pairs]):
             yield done.result()
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldrs import _core
+from foldrs.camera import ViewFromAbove
 from foldrs.errors import ParameterError
 from foldrs.evaluation.axes import true_axes
 from foldrs.evaluation.kinds import Kind
@@ -44,13 +45,14 @@ def missed_nats(
     scene : Scene
         Folded once.
     result : FitResult
-        What :func:`foldrs.fit` made of its true outline by the joint fit.
+        What :func:`foldrs.fit` made of its true outline by the joint fit, with the scene's plane or without.
     templates : sequence of Template
         Those of the scene's kind that competed.
     kind : Kind
         Landmarks and symmetries of the scene's kind.
     px_per_cm : float or None
-        The scale, if it was known.
+        The scale, if it was known; without meaning where the result was found in the view from above, which
+        has its own.
     parameters : Parameters, optional
 
     Raises
@@ -58,26 +60,37 @@ def missed_nats(
     ParameterError
         If the scene does not tell where its crease lies in the image.
     """
+    if scene.axis_image is None or scene.folds != 1:
+        raise ParameterError(f"{scene.name}: the search is measured on scenes folded once, with axis_image")
+    outline, crease = scene.outline_image, scene.axis_image
+    if scene.plane is not None and result.from_above is not None:
+        # Evidence is comparable only between fits to one outline: here the one seen from above.
+        view = ViewFromAbove.of(scene.plane, result.outline_image)
+        outline, crease = result.from_above.result.outline_image, view.from_image(crease)
+        px_per_cm = result.from_above.px_per_cm
+    crease = _cloth_on_left(crease, outline)
     matching = asdict((parameters or Parameters()).matching)
-    seen = _core.Seen(np.ascontiguousarray(scene.outline_image), matching)
+    seen = _core.Seen(np.ascontiguousarray(outline), matching)
     surprises = [
         fit.surprise
         for template in templates
         for fit in _core.fit_known(
-            seen, flexible_template(template, matching), list(_true_folds(scene, template, kind)), px_per_cm
+            seen,
+            flexible_template(template, matching),
+            list(_true_folds(scene, crease, template, kind)),
+            px_per_cm,
         )
     ]
     return result.matching_cost - min(surprises, default=np.inf)
 
 
-def _true_folds(scene: Scene, template: Template, kind: Kind) -> Iterator[tuple[Points, Points, bool]]:
+def _true_folds(
+    scene: Scene, crease: Points, template: Template, kind: Kind
+) -> Iterator[tuple[Points, Points, bool]]:
     """Yield the true fold of a template, once for every symmetry, either part being the flap, on either face.
 
     Which part was turned over and which face is seen the outline does not tell.
     """
-    if scene.axis_image is None or scene.folds != 1:
-        raise ParameterError(f"{scene.name}: the search is measured on scenes folded once, with axis_image")
-    crease = _cloth_on_left(scene.axis_image, scene.outline_image)
     for axis in true_axes(scene, template.outline, template.landmarks, kind):
         for directed in (axis, axis[::-1]):
             for mirrored in (False, True):

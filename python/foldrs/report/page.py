@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import jinja2
 from markupsafe import Markup
@@ -71,7 +71,7 @@ class Report:
         self._entries: dict[int, _Entry] = {}
         self._measures: dict[int, SceneMeasures] = {}
         self._next = 0
-        self._parts = tempfile.TemporaryFile()  # noqa: SIM115 - closed by __exit__
+        self._parts: IO[bytes] | None = None  # opened for the first image, closed by __exit__
         self._lock = threading.Lock()
 
     def add(
@@ -127,17 +127,19 @@ class Report:
         )
         part = card.encode()
         with self._lock:
-            offset = self._parts.seek(0, os.SEEK_END)
-            self._parts.write(part)
+            parts = self._opened()
+            offset = parts.seek(0, os.SEEK_END)
+            parts.write(part)
             self._entries[number] = _Entry(told, offset, len(part))
             if measures is not None:
                 self._measures[number] = measures
 
     def write(self) -> None:
         """Write the page with all images added so far, whole or not at all."""
-        order = sorted(self._entries)
-        entries = [self._entries[number] for number in order]
-        measures = [self._measures[number] for number in sorted(self._measures)]
+        with self._lock:
+            order = sorted(self._entries)
+            entries = [self._entries[number] for number in order]
+            measures = [self._measures[number] for number in sorted(self._measures)]
         page = _environment.get_template("page.html").generate(
             title=self.title,
             version=__version__,
@@ -159,8 +161,17 @@ class Report:
 
     def _cards(self, entries: Iterable[_Entry]) -> Iterator[Markup]:
         for entry in entries:
-            self._parts.seek(entry.offset)
-            yield Markup(self._parts.read(entry.length).decode())
+            with self._lock:  # for one part at a time, so that adding does not wait for the whole page
+                parts = self._opened()
+                parts.seek(entry.offset)
+                part = parts.read(entry.length)
+            yield Markup(part.decode())
+
+    def _opened(self) -> IO[bytes]:
+        """Return the file of the images' parts; to be called, and the file used, with the lock held."""
+        if self._parts is None:
+            self._parts = tempfile.TemporaryFile()  # noqa: SIM115
+        return self._parts
 
     def __enter__(self) -> Report:
         return self
@@ -172,7 +183,8 @@ class Report:
             if kind is None:
                 self.write()
         finally:
-            self._parts.close()
+            if self._parts is not None:
+                self._parts.close()
 
 
 def write(

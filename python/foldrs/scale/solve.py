@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.camera._matrices import inverse
+from foldrs.camera._matrices import carried, inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.camera.pose import Pose
@@ -143,9 +143,9 @@ def _laid(rectangle: Points, points: Points) -> Points:
 
 def _apply(homography: Points, points: Points) -> Points:
     """Apply a homography; points at its horizon go far away, and stay finite, while the best is sought."""
-    carried = np.column_stack([points, np.ones(len(points))]) @ homography.T
-    depth = np.where(np.abs(carried[:, 2]) < 1e-9, 1e-9, carried[:, 2])
-    return np.asarray(np.clip(carried[:, :2] / depth[:, None], -1e6, 1e6))
+    there = carried(homography, points)
+    depth = np.where(np.abs(there[:, 2]) < 1e-9, 1e-9, there[:, 2])
+    return np.asarray(np.clip(there[:, :2] / depth[:, None], -1e6, 1e6))
 
 
 def _area(quad: Points) -> float:

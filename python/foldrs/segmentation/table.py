@@ -22,7 +22,7 @@ _SAMPLE_STEP = 7  # every seventh pixel determines the few coefficients as well 
 _ROUNDS = 6  # of reweighting; it settles in four or five
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surprise:
     """How far every pixel is from the table.
 

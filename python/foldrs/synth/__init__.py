@@ -2,8 +2,9 @@
 
 A flat garment (a template, or the outline of a real one) is varied, folded once or twice, laid on a table
 and pictured from above or at an angle; what is true of the picture is known exactly and written beside it.
-The steps, one module each: :mod:`~foldrs.synth.garment` (another garment of the kind;
-:mod:`~foldrs.synth.ordered_landmarks`), :mod:`~foldrs.synth.fold_lines` (where it is folded), :mod:`~foldrs.synth.layers` (the layers of cloth and
+The steps, one module each: :mod:`~foldrs.synth.ordered_landmarks` (landmarks moved so that they follow each
+other along their outline), :mod:`~foldrs.synth.garment` (another garment of the kind),
+:mod:`~foldrs.synth.fold_lines` (where it is folded), :mod:`~foldrs.synth.layers` (the layers of cloth and
 where a point of the garment comes to lie), :mod:`~foldrs.synth.pose` (how the whole lies in the picture),
 :mod:`~foldrs.synth.camera` and :mod:`~foldrs.synth.depth` (what looks at it),
 :mod:`~foldrs.synth.references` (markers beside it), :mod:`~foldrs.synth.cloth`,

@@ -24,7 +24,7 @@ _DISTANCES = np.linspace(1.0, 1.5, 6)
 """How many times farther than the scale says it may be for that."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TableCamera:
     """A camera before the table. The table's frame is the view from straight above, in cm, z downwards.
 

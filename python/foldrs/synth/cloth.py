@@ -31,7 +31,7 @@ BORDER_CM = 3.0
 """Texture beyond the garment's bounding box, for rims that are displaced."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cloth:
     """Both faces of a garment's cloth, in the unfolded garment's frame.
 

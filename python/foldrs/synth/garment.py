@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _core
 from foldrs.errors import InvalidOutlineError, ParameterError
+from foldrs.registration import perimeter
 from foldrs.synth.ordered_landmarks import follow_outline
 from foldrs.synth.parameters import SynthParameters
 
@@ -54,7 +55,7 @@ class FlatGarment(Protocol):
     def symmetry(self) -> Sequence[tuple[str, str]]: ...  # noqa: D102
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Photograph:
     """A photograph of a garment that lies flat on a table.
 
@@ -70,7 +71,7 @@ class Photograph:
     outline: Points
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Garment:
     """One flat garment: the attributes of :class:`FlatGarment`, a name, and where its cloth is seen."""
 
@@ -225,9 +226,8 @@ def polygon_area(ring: Points) -> float:
 
 def resample(ring: Points, step: float) -> Points:
     """Set points at equal distance, about ``step``, along a closed outline; the first one is kept."""
-    length = float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum())
     return np.asarray(
-        _core.resample(np.ascontiguousarray(ring), max(8, round(length / step))), dtype=np.float64
+        _core.resample(np.ascontiguousarray(ring), max(8, round(perimeter(ring) / step))), dtype=np.float64
     )
 
 

@@ -29,7 +29,7 @@ _SHORTEST_PIECE_CM = 1.0
 """Pieces of a crease shorter than this are not listed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Turn:
     """A piece of cloth turned over a line, and lying a little turned away from where it should.
 
@@ -80,7 +80,7 @@ class Turn:
         return np.column_stack([cos * arm[:, 0] - sin * arm[:, 1], sin * arm[:, 0] + cos * arm[:, 1]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layer:
     """One piece of cloth between creases.
 
@@ -120,7 +120,7 @@ class Layer:
         return float(cv2.pointPolygonTest(ring, (float(point[0]), float(point[1])), True))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fold:
     """One fold of a flat garment or of a stack of layers.
 

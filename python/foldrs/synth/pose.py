@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from foldrs.camera._matrices import inverse
+from foldrs.camera._matrices import carried, inverse
 from foldrs.errors import ParameterError
 from foldrs.synth.garment import Points
 from foldrs.synth.parameters import SynthParameters
@@ -22,7 +22,7 @@ _TURNS = 60
 """Directions tried before a garment is declared too large for the picture."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pose:
     """The map from the table (cm, exact folds) to the picture (px).
 
@@ -76,8 +76,8 @@ class Pose:
 
 def seen_by(homography: Points, points: Points) -> Points:
     """Carry points, shape (n, 2), by a homography."""
-    carried = np.column_stack([points, np.ones(len(points))]) @ homography.T
-    return np.asarray(carried[:, :2] / carried[:, 2:], dtype=np.float64)
+    there = carried(homography, points)
+    return np.asarray(there[:, :2] / there[:, 2:], dtype=np.float64)
 
 
 def draw_pose(rings: list[Points], rng: np.random.Generator, parameters: SynthParameters) -> Pose:

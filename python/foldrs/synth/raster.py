@@ -18,7 +18,7 @@ FINE = 4
 _SHIFT = 4  # fractional bits of the corner points given to OpenCV
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LayerMasks:
     """Masks of all layers (255 = cloth), ``FINE`` times as fine as the picture, over a window of it.
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldrs.errors import FoldrsError, ParameterError
+from foldrs.result import write_whole
 from foldrs.synth.camera import TableCamera, draw_camera, straight_above
 from foldrs.synth.depth import draw_depth
 from foldrs.synth.fold_lines import draw_fold, draw_second_fold
@@ -33,7 +34,7 @@ _CAMERA = 1 << 20
 """Number of the camera's random sequence among the children of a scene's."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """A picture of a folded garment and what is true of it.
 
@@ -93,8 +94,8 @@ class Scene:
         folder.mkdir(parents=True, exist_ok=True)
         quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY] if suffix == ".jpg" else []
         picture = cv2.imencode(suffix, np.ascontiguousarray(self.image[..., ::-1]), quality)[1]
-        _write_whole(folder / f"{name}{suffix}", picture.tobytes())
-        _write_whole(folder / f"{name}.mask.png", cv2.imencode(".png", self.mask)[1].tobytes())
+        write_whole(folder / f"{name}{suffix}", picture.tobytes())
+        write_whole(folder / f"{name}.mask.png", cv2.imencode(".png", self.mask)[1].tobytes())
         size = (self.image.shape[1], self.image.shape[0])
         if self.tilted:
             homography = {
@@ -102,14 +103,14 @@ class Scene:
                 "to": "table cm",
                 "homography": np.linalg.inv(self.camera.table_to_image).tolist(),
             }
-            _write_whole(folder / f"{name}.homography.json", json.dumps(homography).encode())
+            write_whole(folder / f"{name}.homography.json", json.dumps(homography).encode())
         if self.tilted or self.depth is not None:
-            _write_whole(folder / f"{name}.camera.json", json.dumps(self.camera.written(size)).encode())
+            write_whole(folder / f"{name}.camera.json", json.dumps(self.camera.written(size)).encode())
         if self.depth is not None:
-            _write_whole(folder / f"{name}.depth.tiff", cv2.imencode(".tiff", self.depth)[1].tobytes())
+            write_whole(folder / f"{name}.depth.tiff", cv2.imencode(".tiff", self.depth)[1].tobytes())
         truth = {"id": name, "image": f"{name}{suffix}", **self.truth}
         path = folder / f"{name}.json"
-        _write_whole(path, json.dumps(truth).encode())
+        write_whole(path, json.dumps(truth).encode())
         return path
 
 
@@ -204,10 +205,3 @@ def check_suffix(suffix: str) -> None:
     """Raise ParameterError if a suffix is no kind of image that scenes are written as."""
     if suffix not in (".jpg", ".png"):
         raise ParameterError(f"Scenes are written as .jpg or .png, not as {suffix!r}.")
-
-
-def _write_whole(path: Path, data: bytes) -> None:
-    """Write a file under another name first, so that no reader ever meets half of it."""
-    part = path.with_name(f".{path.name}.part")
-    part.write_bytes(data)
-    part.replace(path)
