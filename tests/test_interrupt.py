@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -189,3 +190,23 @@ def test_threads_tell_what_one_tells(outline: np.ndarray) -> None:
     alone = [told(kind) for kind in kinds]
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(told, kinds)) == alone
+
+
+FORKED = """
+import multiprocessing, sys
+from concurrent.futures import ProcessPoolExecutor
+import foldrs
+image = sys.argv[1]
+foldrs.fit(image, garment_type="towel")  # so there are threads that a fork does not take along
+with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+    for answer in foldrs.fit_many([image] * 2, executor=pool, garment_type="towel"):
+        print(answer.garment_type, flush=True)
+"""
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="this system does not fork")
+def test_a_forked_process_has_threads_of_its_own(tmp_path: Path) -> None:
+    make_scene(builtin_templates("towel")[0], seed=3).write(tmp_path, "towel")
+    run = [sys.executable, "-W", "ignore", "-c", FORKED, str(tmp_path / "towel.jpg")]
+    told = subprocess.run(run, capture_output=True, text=True, timeout=10 * SOON, check=True)
+    assert told.stdout.split() == ["towel", "towel"]

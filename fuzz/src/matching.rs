@@ -89,7 +89,7 @@ pub fn template(data: &[u8]) {
     let Some(outline) = bytes.outline(32) else { return };
     let parameters = brief().fit;
     let template = FlexibleTemplate::new(&outline, &pairs, &parameters);
-    assert!(template.centre.coords.iter().all(|x| x.is_finite()));
+    assert!(template.centre().coords.iter().all(|x| x.is_finite()));
     let field = SeenField::new(&outline.clone().positive(), parameters.samples, parameters.nodes);
     if let Some(fit) = fit_unfolded(&field, &template, outline.centroid(), 1.0, &parameters) {
         assert!(!fit.surprise.is_nan());

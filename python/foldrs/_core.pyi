@@ -80,10 +80,26 @@ def nearest_on_outline(points: _Points, query: _Points) -> tuple[_Points, _Point
     """Return for k query points the (k, 2) nearest points of the outline, their distances and arc lengths."""
 
 def points_at(points: _Points, arc: _Points) -> _Points:
-    """Points (k, 2) of the outline at k arc lengths from its first vertex."""
+    """Points (k, 2) of the outline at k arc lengths from its first vertex.
+
+    Raises
+    ------
+    InvalidOutlineError
+        If the points are no outline: fewer than three, not finite, or without an area.
+    ValueError
+        If they are of another shape than (n, 2).
+    """
 
 def resample(points: _Points, n: int) -> _Points:
-    """Return n points at equal arc length, the first at the first vertex."""
+    """Return n points at equal arc length, the first at the first vertex.
+
+    Raises
+    ------
+    InvalidOutlineError
+        If the points are no outline: fewer than three, not finite, or without an area.
+    ValueError
+        If they are of another shape than (n, 2), or n is less than three.
+    """
 
 def simplify(points: _Points, tolerance: float) -> _Points:
     """Corners of the Douglas-Peucker simplification of a closed outline."""
@@ -92,7 +108,13 @@ def sides(points: _Points, tolerance: float) -> list[_Points]:
     """Sides (2, 2) of the simplified outline, each the straight line through the points it stands for."""
 
 def reflect(points: _Points, axis: _Points) -> _Points:
-    """Mirror image of points over the axis's line."""
+    """Mirror image of points over the axis's line.
+
+    Raises
+    ------
+    ValueError
+        If the axis has no direction, or the points are not of shape (n, 2).
+    """
 
 def axis_difference(a: _Points, b: _Points) -> float:
     """Area of the convex hull of the four end points of two axes."""
@@ -125,7 +147,7 @@ class FoldedLayers:
     def distance_to_double_layer(self, points: _Points) -> _Points:
         """Distance of every point from the double layer; 0 within it, inf if there is none."""
     def is_turned(self, arc: _Points) -> NDArray[np.bool_]:
-        """Whether points of the unfolded outline, given by arc length, are on the flap."""
+        """Whether points of the unfolded outline, given by arc length (modulo its length), are on the flap."""
 
 def fold_layers(outline: _Points, axis: _Points) -> FoldedLayers:
     """Turn over what hangs on the left of the chords that the axis segment covers (section 2.1.2).
@@ -242,7 +264,25 @@ def align(cost: _Points, skip_penalty: float = 0.6) -> tuple[float, NDArray[np.i
 class Seen:
     """A seen outline prepared for matching; all that depends on it alone is computed once."""
 
-    def __new__(cls, points: _Points, parameters: Mapping[str, Any]) -> Seen: ...
+    def __new__(cls, points: _Points, parameters: Mapping[str, Any]) -> Seen:
+        """Prepare a seen outline.
+
+        Parameters
+        ----------
+        points
+            The outline (n, 2) in any unit, for instance px.
+        parameters
+            All parameters, as `default_parameters` gives them; what is done with the outline goes by them.
+
+        Raises
+        ------
+        InvalidOutlineError
+            If the points are no outline: fewer than three, not finite, or without an area.
+        ParameterError
+            If a parameter is unknown or out of its range.
+        ValueError
+            If they are of another shape than (n, 2).
+        """
     @property
     def points(self) -> _Points:
         """The equally spaced points that are aligned, wound positively."""
@@ -256,9 +296,29 @@ class Seen:
 
         `scale` is the number of seen units a template unit, if known. With `cheapest_only` only the cheapest
         fold of every template is returned, much sooner.
+
+        Raises
+        ------
+        InvalidOutlineError
+            If a template is no outline: fewer than three points, not finite, or without an area.
+        ParameterError
+            If the scale is not positive.
+        ValueError
+            If one is of another shape than (n, 2).
+        KeyboardInterrupt
+            If a `Stop` that the thread heeds was requested. In Python's main thread also whatever a signal's
+            handler raises.
         """
     def explain(self, template: _Points, candidate: Candidate) -> Explanation | None:
-        """Lay a fold of a template over the seen outline."""
+        """Lay a fold of a template over the seen outline; None where that cannot be done.
+
+        Raises
+        ------
+        InvalidOutlineError
+            If the template is no outline: fewer than three points, not finite, or without an area.
+        ValueError
+            If it is of another shape than (n, 2).
+        """
 
 @final
 class Candidate:
@@ -386,6 +446,20 @@ def fit_jointly(
     seen units a template unit, if known. `picture` is what was seen inside the outline, in its frame:
     structure tensors (h, w, 3) of the colours, their pixels a seen unit, the same of the heights if they
     are known, and the looks of the cloth with their pixels a seen unit and the place of the first.
+
+    Raises
+    ------
+    InvalidOutlineError
+        If one of the outlines is none: fewer than three points, not finite, or without an area.
+    ParameterError
+        If the scale is not positive.
+    ValueError
+        If there are more outlines than templates or fewer, an outline is of another shape than (n, 2), or of
+        the picture the tensors are not of one shape (h, w, 3), a scale is not positive and finite, or the
+        place of the first look is not finite.
+    KeyboardInterrupt
+        If a `Stop` that the thread heeds was requested. In Python's main thread also whatever a signal's
+        handler raises.
     """
 
 def fit_known(

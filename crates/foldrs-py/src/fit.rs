@@ -1,7 +1,7 @@
 //! The joint fit.
 
 use crate::convert::{array, outline, points, segment};
-use crate::matching::{map_array, PySeen};
+use crate::matching::{checked_scale, map_array, PySeen};
 use foldrs::fit::{
     explain_from, explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, KnownFold,
     Looks, Picture,
@@ -22,6 +22,7 @@ impl PyFlexibleTemplate {
     #[new]
     #[pyo3(signature = (outline, mirror_from, mirror_to, parameters, spread=None))]
     fn new(
+        py: Python<'_>,
         outline: PyReadonlyArray2<'_, f64>,
         mirror_from: PyReadonlyArray2<'_, f64>,
         mirror_to: PyReadonlyArray2<'_, f64>,
@@ -34,12 +35,15 @@ impl PyFlexibleTemplate {
         }
         let pairs: Vec<[Point; 2]> = from.into_iter().zip(to).map(|(a, b)| [a, b]).collect();
         let parameters = crate::matching::parameters(parameters)?;
-        let template = FlexibleTemplate::new(&self::outline(&outline)?, &pairs, &parameters.fit);
-        let Some(spread) = spread else {
-            return Ok(Self(template));
-        };
-        template
-            .with_spread(&spread, &parameters.fit)
+        let outline = self::outline(&outline)?;
+        let prepared = py.detach(|| {
+            let template = FlexibleTemplate::new(&outline, &pairs, &parameters.fit);
+            match spread {
+                Some(spread) => template.with_spread(&spread),
+                None => Some(template),
+            }
+        });
+        prepared
             .map(Self)
             .ok_or_else(|| PyValueError::new_err("spreads must be positive, one a vertex of the outline"))
     }
@@ -144,6 +148,7 @@ pub(crate) fn fit_jointly(
     if outlines.len() != templates.len() {
         return Err(PyValueError::new_err("every outline needs its template"));
     }
+    let scale = checked_scale(scale)?;
     let outlines: Vec<Outline> = outlines.iter().map(outline).collect::<PyResult<_>>()?;
     let templates: Vec<FlexibleTemplate> = templates.iter().map(|t| t.0.clone()).collect();
     let picture = picture.as_ref().map(prepared).transpose()?;
@@ -188,6 +193,7 @@ pub(crate) fn fit_known(
     };
     let known: Vec<KnownFold> = folds.iter().map(known).collect::<PyResult<_>>()?;
     let templates = std::slice::from_ref(&template.0);
+    let scale = checked_scale(scale)?;
     let found = crate::interrupt::run(py, || {
         explain_from(&seen.seen, templates, &known, scale, None, &seen.parameters)
     })?;

@@ -6,6 +6,7 @@ use std::sync::mpsc::{channel, RecvTimeoutError};
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::threads::pool;
 use foldrs::interrupt::{interruptible, Interrupt, Interrupted};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -42,11 +43,12 @@ impl Stop {
 
 /// Runs stages of the crate in its pool while this thread waits without the GIL, and looks for signals.
 pub(crate) fn run<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    let pool = pool()?;
     let interrupt = Interrupt::default();
     let mut cause = None;
     let outcome = py.detach(|| {
         let (done, waiting) = channel();
-        rayon::in_place_scope(|scope| {
+        pool.in_place_scope(|scope| {
             let interrupt = &interrupt;
             // Of a defect in the work no message comes: the scope passes its panic on.
             scope.spawn(move |_| drop(done.send(interruptible(interrupt, work))));

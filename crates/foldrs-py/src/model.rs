@@ -6,8 +6,13 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 #[pyfunction]
-pub(crate) fn outline_iou(a: PyReadonlyArray2<'_, f64>, b: PyReadonlyArray2<'_, f64>) -> PyResult<f64> {
-    Ok(model::intersection_over_union(&outline(&a)?, &outline(&b)?))
+pub(crate) fn outline_iou(
+    py: Python<'_>,
+    a: PyReadonlyArray2<'_, f64>,
+    b: PyReadonlyArray2<'_, f64>,
+) -> PyResult<f64> {
+    let (a, b) = (outline(&a)?, outline(&b)?);
+    Ok(py.detach(|| model::intersection_over_union(&a, &b)))
 }
 
 #[pyfunction]

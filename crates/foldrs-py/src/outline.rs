@@ -7,8 +7,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 #[pyfunction]
-pub(crate) fn check_outline(points: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
-    outline(&points)?.check_simple().map_err(outline_error)
+pub(crate) fn check_outline(py: Python<'_>, points: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+    let outline = outline(&points)?;
+    py.detach(|| outline.check_simple()).map_err(outline_error)
 }
 
 #[pyfunction]
@@ -30,10 +31,8 @@ pub(crate) fn nearest_on_outline<'py>(
     query: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Nearest<'py>> {
     let outline = outline(&points)?;
-    let nearest: Vec<stage::Nearest> = crate::convert::points(&query)?
-        .iter()
-        .map(|q| outline.nearest(q))
-        .collect();
+    let query = crate::convert::points(&query)?;
+    let nearest: Vec<stage::Nearest> = py.detach(|| query.iter().map(|q| outline.nearest(q)).collect());
     Ok((
         array(py, &nearest.iter().map(|n| n.point).collect::<Vec<_>>())?,
         nearest
@@ -66,8 +65,8 @@ pub(crate) fn simplify<'py>(
     tolerance: f64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let outline = outline(&points)?;
-    let corners: Vec<_> = outline
-        .simplify(tolerance)
+    let corners: Vec<_> = py
+        .detach(|| outline.simplify(tolerance))
         .into_iter()
         .map(|i| outline.points()[i])
         .collect();
@@ -80,8 +79,8 @@ pub(crate) fn sides<'py>(
     points: PyReadonlyArray2<'py, f64>,
     tolerance: f64,
 ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
-    outline(&points)?
-        .sides(tolerance)
+    let outline = outline(&points)?;
+    py.detach(|| outline.sides(tolerance))
         .iter()
         .map(|s| array(py, &s.segment))
         .collect()

@@ -33,7 +33,9 @@ pub(crate) fn partial_matches(
 /// Mean squared difference of the chord angles of one piece and another.
 #[pyfunction]
 #[pyo3(signature = (seen_points, start, template_points, template_start, length, delta=5))]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn piece_difference(
+    py: Python<'_>,
     seen_points: PyReadonlyArray2<'_, f64>,
     start: usize,
     template_points: PyReadonlyArray2<'_, f64>,
@@ -60,12 +62,8 @@ pub(crate) fn piece_difference(
             delta.saturating_add(2)
         )));
     }
-    let angles = |points| ChordAngles::new(points, delta);
-    Ok(stage::piece_difference(
-        &angles(&seen),
-        start,
-        &angles(&template),
-        template_start,
-        length,
-    ))
+    Ok(py.detach(|| {
+        let angles = |points| ChordAngles::new(points, delta);
+        stage::piece_difference(&angles(&seen), start, &angles(&template), template_start, length)
+    }))
 }

@@ -53,8 +53,8 @@ impl PyFoldedStack {
         points: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points = self::points(&points)?;
-        let distances = points.iter().map(|p| self.double.distance(p));
-        Ok(PyArray1::from_iter(py, distances))
+        let distances = py.detach(|| points.iter().map(|p| self.double.distance(p)).collect());
+        Ok(PyArray1::from_vec(py, distances))
     }
 
     fn place<'py>(
@@ -79,18 +79,20 @@ impl PyFoldedStack {
 #[pyfunction]
 #[pyo3(signature = (outline, axes, on_top=None))]
 pub(crate) fn fold_stack(
+    py: Python<'_>,
     outline: PyReadonlyArray2<'_, f64>,
     axes: Vec<PyReadonlyArray2<'_, f64>>,
     on_top: Option<Vec<bool>>,
 ) -> PyResult<PyFoldedStack> {
     let axes = axes.iter().map(segment).collect::<PyResult<Vec<Segment>>>()?;
-    let stack = stack::fold_stack(&self::outline(&outline)?, &axes, &on_top.unwrap_or_default())
-        .map_err(fold_error)?;
-    let outline = stack.outline().map_err(fold_error)?;
-    let double = stack.double_layer();
-    Ok(PyFoldedStack {
-        stack,
-        outline,
-        double,
-    })
+    let (outline, on_top) = (self::outline(&outline)?, on_top.unwrap_or_default());
+    let folded = || {
+        let stack = stack::fold_stack(&outline, &axes, &on_top)?;
+        Ok(PyFoldedStack {
+            outline: stack.outline()?,
+            double: stack.double_layer(),
+            stack,
+        })
+    };
+    py.detach(folded).map_err(fold_error)
 }

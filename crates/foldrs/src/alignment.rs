@@ -23,7 +23,8 @@ pub struct AlignmentParameters {
     /// factor 1/2, hence 0.6 without.
     pub skip_penalty: f64,
     /// Points of the second outline, evenly spaced, that are tried first as partner of the first one's start
-    /// (Ling & Jacobs: 4 to 8); eight are computed together. Any number leads to the same result.
+    /// (Ling & Jacobs: 4 to 8); eight are computed together. Any number leads to the same cost, but for rounding; of
+    /// alignments that cost the same another may be found.
     pub starts: usize,
 }
 

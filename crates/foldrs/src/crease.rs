@@ -3,6 +3,9 @@
 use crate::{FoldError, Outline, Point, Segment, Vector};
 
 /// The line a garment is folded over, with a direction.
+///
+/// Places along it count from the first end of its segment, and are known to 1e-16 of how far off that lies: from some
+/// 1e15 times an outline's size on its crossings are mere guesses, and soon nothing is creased.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Axis {
@@ -22,7 +25,7 @@ pub struct Crossing {
     pub position: f64,
     /// The edge that is crossed.
     pub edge: usize,
-    /// Whether the outline passes from the right of the axis (or the axis itself) to its left.
+    /// Whether the outline passes from the right of the axis to its left (or to the axis itself, which counts as left).
     pub to_left: bool,
 }
 

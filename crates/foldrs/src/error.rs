@@ -39,4 +39,7 @@ pub enum FoldError {
     /// The crossings of the axis with the outline do not alternate: the outline crosses itself.
     #[error("the outline crosses itself where the fold axis meets it")]
     Tangled,
+    /// A stack has a most number of folds.
+    #[error("a stack has at most {0} folds")]
+    TooManyFolds(usize),
 }

@@ -29,6 +29,8 @@ pub const STRAIGHT: f64 = 1e-12;
 
 /// Shortest paths inside an outline between all pairs of its vertices.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct InnerDistances {
     /// Number of vertices `n`.
     pub n: usize,
@@ -39,29 +41,23 @@ pub struct InnerDistances {
 }
 
 impl InnerDistances {
-    /// Mean of the finite, positive distances; 0 if there is none.
+    /// Mean of the finite, positive distances, the unit of the shape contexts' distance bins
+    /// (Ling & Jacobs 2007, section 4.1); 0 if there is none.
     #[must_use]
     pub fn mean(&self) -> f64 {
-        mean_inner_distance(self)
-    }
-}
-
-/// Mean of the finite, positive inner distances, the unit of the shape contexts' distance bins
-/// (Ling & Jacobs 2007, section 4.1); 0 if there is none.
-#[must_use]
-pub fn mean_inner_distance(inner: &InnerDistances) -> f64 {
-    // Several sums at a time, or each addition would wait for the one before.
-    let (mut sums, mut counts) = ([0.0; 8], [0_u64; 8]);
-    for chunk in inner.distance.chunks(8) {
-        for ((sum, count), &d) in sums.iter_mut().zip(&mut counts).zip(chunk) {
-            let counted = (d > 0.0) & (d < f64::INFINITY);
-            *sum += if counted { d } else { 0.0 };
-            *count += u64::from(counted);
+        // Several sums at a time, or each addition would wait for the one before.
+        let (mut sums, mut counts) = ([0.0; 8], [0_u64; 8]);
+        for chunk in self.distance.chunks(8) {
+            for ((sum, count), &d) in sums.iter_mut().zip(&mut counts).zip(chunk) {
+                let counted = (d > 0.0) & (d < f64::INFINITY);
+                *sum += if counted { d } else { 0.0 };
+                *count += u64::from(counted);
+            }
         }
-    }
-    match counts.iter().sum::<u64>() {
-        0 => 0.0,
-        count => sums.iter().sum::<f64>() / count as f64,
+        match counts.iter().sum::<u64>() {
+            0 => 0.0,
+            count => sums.iter().sum::<f64>() / count as f64,
+        }
     }
 }
 

@@ -8,8 +8,9 @@
 //! assert_eq!(answer, Ok(42));
 //! ```
 //!
-//! Stages look at the request between any two of their parallel tasks, each of which takes a few milliseconds, and
-//! leave by unwinding: no stage carries a result that it never has, and none returns half of one.
+//! Stages that compute in parallel look at the request between any two of their tasks, each of which takes a few
+//! milliseconds, and leave by unwinding: no stage carries a result that it never has, and none returns half of one.
+//! The others (folding, sampling, comparing two pieces) are too short to be stopped.
 
 use std::cell::RefCell;
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
@@ -45,6 +46,9 @@ thread_local! {
 
 /// Runs stages of this crate so that they can be stopped. Needs a program that unwinds (`panic = "unwind"`).
 ///
+/// Work that itself waits for a thread pool, other than in a stage, should do so outside: what the waiting thread takes up
+/// meanwhile would be stopped as well.
+///
 /// # Errors
 /// [`Interrupted`] if the request came before the work was done.
 pub fn interruptible<R>(interrupt: &Interrupt, work: impl FnOnce() -> R) -> Result<R, Interrupted> {
@@ -65,18 +69,21 @@ pub(crate) fn current() -> Option<Interrupt> {
 
 /// Runs one task of the work that `interrupt` may stop, unless it did.
 pub(crate) fn checked<R>(interrupt: &Option<Interrupt>, task: impl FnOnce() -> R) -> R {
-    let Some(interrupt) = interrupt else {
-        return task();
-    };
-    if interrupt.is_requested() {
+    if interrupt.as_ref().is_some_and(Interrupt::is_requested) {
         resume_unwind(Box::new(Interrupted));
     }
-    let _restored = Restored(CURRENT.replace(Some(interrupt.clone())));
+    let _restored = Restored(CURRENT.replace(interrupt.clone()));
     task()
 }
 
+/// Has nothing stop what this thread is at until the guard is dropped.
+#[cfg(feature = "parallel")]
+pub(crate) fn set_aside() -> Restored {
+    Restored(CURRENT.take())
+}
+
 /// Puts back what was current before, however a task ends.
-struct Restored(Option<Interrupt>);
+pub(crate) struct Restored(Option<Interrupt>);
 
 impl Drop for Restored {
     fn drop(&mut self) {
@@ -116,6 +123,28 @@ mod tests {
         assert_eq!(outcome, Err(Interrupted));
         assert_eq!(parallel::map(&[1, 2, 3], |x| 2 * x), [2, 4, 6]);
         assert_eq!(interruptible(&Interrupt::default(), || 1), Ok(1));
+    }
+
+    #[cfg(feature = "parallel")]
+    #[test]
+    fn work_that_a_waiting_thread_takes_up_goes_on() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let interrupt = Interrupt::default();
+        let (told, heard) = std::sync::mpsc::channel();
+        let outcome = pool.install(|| {
+            interruptible(&interrupt, || {
+                parallel::map(&[0, 1, 2, 3], |k| {
+                    if *k == 0 {
+                        // The only thread comes to it between two tasks, or when all are done.
+                        let told = told.clone();
+                        rayon::spawn(move || told.send(parallel::map(&[1, 2], |x| 2 * x)).unwrap());
+                        interrupt.request();
+                    }
+                })
+            })
+        });
+        assert_eq!(outcome, Err(Interrupted));
+        assert_eq!(heard.recv().unwrap(), [2, 4]);
     }
 
     #[test]

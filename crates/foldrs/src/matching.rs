@@ -187,7 +187,8 @@ impl LeastCost {
 }
 
 impl Seen {
-    /// Prepares an outline, in any units.
+    /// Prepares an outline, in any units, for stages that are given the same parameters: what is prepared with some and
+    /// compared with others cannot be compared.
     #[must_use]
     pub fn new(outline: Outline, parameters: &Parameters) -> Self {
         let outline = outline.positive();

@@ -1,7 +1,7 @@
 //! The polygon model of a folded garment: where its layers lie over each other (section 3.2).
 
 use crate::fold::{Folded, Piece};
-use crate::outline::distance_to_segment;
+use crate::outline::{distance_to_segment, even_odd};
 use crate::{Outline, Point, Segment};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -72,15 +72,10 @@ impl Region {
     }
 
     /// Distance of a point from the region; 0 within it, infinite if the region is empty.
+    #[must_use]
     pub fn distance(&self, q: &Point) -> f64 {
-        let inside = self
-            .rings
-            .iter()
-            .filter(|r| Outline::new((*r).clone()).is_ok_and(|o| o.contains(q)))
-            .count()
-            % 2
-            == 1;
-        if inside {
+        let around = self.rings.iter().filter(|r| even_odd(r, q)).count();
+        if around % 2 == 1 {
             return 0.0;
         }
         let edges = self
@@ -94,13 +89,21 @@ impl Region {
 }
 
 /// Share of the union of two outlines that both cover: 1 for equal ones, 0 for disjoint ones.
+///
+/// Areas are taken on a grid of up to 2^30 steps over the extent of both; where neither has an area on it, only equal
+/// outlines have anything in common.
 #[must_use]
 pub fn intersection_over_union(a: &Outline, b: &Outline) -> f64 {
-    let (a, b) = (vec![ring(a.points())], vec![ring(b.points())]);
-    overlay(&a, &b, OverlayRule::Intersect).area() / overlay(&a, &b, OverlayRule::Union).area()
+    let rings = [a, b].map(|outline| vec![ring(outline.points())]);
+    let union = overlay(&rings[0], &rings[1], OverlayRule::Union).area();
+    if union == 0.0 {
+        return if a == b { 1.0 } else { 0.0 };
+    }
+    overlay(&rings[0], &rings[1], OverlayRule::Intersect).area() / union
 }
 
 /// Area between two axes: of the convex hull of their four end points (the paper's measure dA times the area).
+#[must_use]
 pub fn axis_difference(a: &Segment, b: &Segment) -> f64 {
     // The hull of four points is the largest of the triangles and quadrilaterals they form.
     let [p, q, r, s] = [a[0], a[1], b[0], b[1]];
@@ -144,6 +147,31 @@ mod tests {
     fn half_overlapping_squares_share_a_third() {
         assert!((intersection_over_union(&square(0.0, 2.0), &square(1.0, 2.0)) - 1.0 / 3.0).abs() < 1e-6);
         assert!(intersection_over_union(&square(0.0, 2.0), &square(5.0, 2.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn outlines_too_small_for_the_grid_are_equal_or_have_nothing_in_common() {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1e-10), (0.0, 1e-10)];
+        let sliver = Outline::new(corners.map(|(x, y)| Point::new(x, y)).to_vec()).unwrap();
+        assert_eq!(intersection_over_union(&sliver, &sliver), 1.0);
+        assert_eq!(intersection_over_union(&sliver, &square(0.0, 1.0)), 0.0);
+        assert_eq!(
+            intersection_over_union(&square(0.0, 1.0), &square(1e10, 1.0)),
+            0.0
+        );
+    }
+
+    #[test]
+    fn a_hole_is_no_part_of_a_region() {
+        let rings = [square(0.0, 4.0), square(1.0, 2.0)].map(|o| o.points().to_vec());
+        let mut holed = Region {
+            rings: rings.to_vec(),
+        };
+        assert_eq!(holed.distance(&Point::new(0.5, 1.0)), 0.0);
+        assert_eq!(holed.distance(&Point::new(2.0, 1.0)), 1.0);
+        assert_eq!(holed.distance(&Point::new(6.0, 1.0)), 2.0);
+        holed.rings.clear();
+        assert_eq!(holed.distance(&Point::origin()), f64::INFINITY);
     }
 
     #[test]

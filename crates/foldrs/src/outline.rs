@@ -56,6 +56,7 @@ impl From<Outline> for Vec<Point> {
 /// The nearest point of an outline to some other point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Nearest {
     /// The point on the outline.
     pub point: Point,
@@ -258,16 +259,20 @@ impl Outline {
     /// Whether `q` lies inside (even-odd rule; on the outline itself either answer may come).
     #[must_use]
     pub fn contains(&self, q: &Point) -> bool {
-        let mut inside = false;
-        for i in 0..self.points.len() {
-            let [a, b] = self.edge(i);
-            if (a.y > q.y) != (b.y > q.y) {
-                let side = orientation(&a, &b, q);
-                inside ^= (side > 0.0) == (b.y > a.y);
-            }
-        }
-        inside
+        even_odd(&self.points, q)
     }
+}
+
+/// Whether a point lies inside a closed ring by the even-odd rule.
+pub(crate) fn even_odd(ring: &[Point], q: &Point) -> bool {
+    let mut inside = false;
+    for (i, a) in ring.iter().enumerate() {
+        let b = &ring[(i + 1) % ring.len()];
+        if (a.y > q.y) != (b.y > q.y) {
+            inside ^= (orientation(a, b, q) > 0.0) == (b.y > a.y);
+        }
+    }
+    inside
 }
 
 /// Whether a closed ring winds around a point. Where the ring overlaps itself there is cloth, unlike by the even-odd rule.

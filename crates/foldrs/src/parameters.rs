@@ -1,9 +1,13 @@
 //! All parameters of the matching, grouped by stage, with units and the reason for each default.
 //!
-//! "Share" is a number between 0 and 1; angles are in radians unless a name says degrees.
+//! "Share" is a number between 0 and 1; angles are in radians unless a name says degrees. Stages expect what
+//! [`Parameters::check`] accepts.
+
+mod check;
 
 pub use crate::alignment::AlignmentParameters;
 pub use crate::shape_context::ShapeContextParameters;
+pub use check::ParameterError;
 
 /// Parameters of all stages of the crate; [`Default`] gives the values every stage documents.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -68,10 +68,19 @@ impl PlaneMap {
     #[must_use]
     pub fn affine(from: &[Point], to: &[Point], weights: Option<&[f64]>) -> Option<Self> {
         let moments = Moments::new(from, to, weights)?;
+        // Rounding leaves points on a line a spread across it.
+        let (across, all) = (moments.spread.determinant(), moments.spread.trace());
+        if across.is_nan() || across <= ON_A_LINE * all * all {
+            return None;
+        }
         let inverse = moments.spread.try_inverse()?;
         Some(moments.with_linear(moments.cross * inverse))
     }
 }
+
+/// Determinant of the spread of points, as a share of its trace squared, up to which they count as on a line: a spread
+/// across the line of a ten-millionth of that along it.
+const ON_A_LINE: f64 = 1e-14;
 
 /// How far points spread across their main direction, as a share of the spread along it: 0 for points on a line.
 #[must_use]
@@ -101,7 +110,10 @@ struct Moments {
 impl Moments {
     fn new(from: &[Point], to: &[Point], weights: Option<&[f64]>) -> Option<Self> {
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let count = from.len().min(to.len());
+        let count = from
+            .len()
+            .min(to.len())
+            .min(weights.map_or(usize::MAX, <[f64]>::len));
         let total: f64 = (0..count).map(weight).sum();
         if total.is_nan() || total <= 0.0 {
             return None;

@@ -7,12 +7,13 @@
 //! earlier ones.
 
 use crate::crease::{Axis, Chord};
-use crate::fold::COVERED;
+use crate::fold::{longest, turned_across, COVERED};
 use crate::model::Region;
 use crate::{FoldError, Outline, Point, Segment};
 
 /// What a stretch of a rim is a piece of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Source {
     /// The template's edge from this corner to the next.
     Edge(usize),
@@ -22,6 +23,7 @@ pub(crate) enum Source {
 
 /// The folds of a stack that turned a piece of cloth over.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Turns(u32);
 
 impl Turns {
@@ -31,7 +33,7 @@ impl Turns {
     /// Whether this fold, by its index, did.
     #[must_use]
     pub fn by(self, fold: usize) -> bool {
-        self.0 & (1 << fold) != 0
+        fold < Self::MOST && self.0 & (1 << fold) != 0
     }
 
     fn and(self, fold: usize) -> Self {
@@ -50,7 +52,9 @@ impl Turns {
 }
 
 /// A crease of one layer of cloth.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Crease {
     /// The fold that made it.
     pub fold: usize,
@@ -59,7 +63,8 @@ pub struct Crease {
 }
 
 /// An outline folded several times.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FoldedStack {
     /// The axes it was folded over, first made first.
     pub axes: Vec<Axis>,
@@ -77,14 +82,15 @@ pub struct FoldedStack {
 /// chord. `on_top` tells of every fold whether its flap comes to lie on top of the kept part; true where it is silent.
 ///
 /// # Errors
-/// [`FoldError::NoDirection`] for a segment without length, [`FoldError::NoCrease`] if a fold creases nothing.
+/// [`FoldError::NoDirection`] for a segment without length, [`FoldError::NoCrease`] if a fold creases nothing,
+/// [`FoldError::Tangled`] if an outline crosses itself at an axis, [`FoldError::TooManyFolds`] beyond 32.
 pub fn fold_stack(
     outline: &Outline,
     segments: &[Segment],
     on_top: &[bool],
 ) -> Result<FoldedStack, FoldError> {
     let axes = segments.iter().map(Axis::new).collect::<Result<Vec<Axis>, _>>()?;
-    let (layers, creases) = fold_ring(outline.points(), &axes, COVERED, on_top).ok_or(FoldError::NoCrease)?;
+    let (layers, creases) = fold_ring(outline.points(), &axes, COVERED, on_top)?;
     Ok(FoldedStack {
         axes,
         layers,
@@ -111,7 +117,7 @@ impl FoldedStack {
         Region::doubled(&self.rings())
     }
 
-    /// Where a point that belongs to the unfolded outline at an arc length comes to lie.
+    /// Where a point that belongs to the unfolded outline at an arc length, taken modulo its length, comes to lie.
     #[must_use]
     pub fn place(&self, point: &Point, arc: f64) -> Point {
         let turned = self.turns_at(arc);
@@ -126,7 +132,7 @@ impl FoldedStack {
         let kept = self.layers.iter().filter(|cloth| !cloth.turned.by(fold));
         let rims = kept.flat_map(|cloth| (0..cloth.rim.len()).map(move |i| (cloth, i)));
         let of_fold = rims.filter(|(cloth, i)| match cloth.rim[*i].source {
-            Source::Crease(c) => self.creases[c].fold == fold,
+            Source::Crease(c) => self.creases.get(c).is_some_and(|crease| crease.fold == fold),
             Source::Edge(_) => false,
         });
         of_fold
@@ -136,6 +142,7 @@ impl FoldedStack {
 
     /// The folds that turned over what the unfolded outline has at an arc length.
     fn turns_at(&self, arc: f64) -> Turns {
+        let arc = arc.rem_euclid(self.unfolded.length());
         let points = self.unfolded.points();
         let after = (0..points.len()).rfind(|&i| self.unfolded.arc_of_vertex(i) <= arc);
         let edge = after.unwrap_or(0);
@@ -162,16 +169,18 @@ impl FoldedStack {
 /// The layers of a ring folded over axes that have the flap on their left, the lowest first, and their creases.
 ///
 /// A fold creases the chords of which its axis covers the share `covered`. Of an earlier fold's crease less may be
-/// seen, so there it is enough if the chord covers that share of the axis. `None` if a fold creases nothing.
+/// seen, so there it is enough if the chord covers that share of the axis.
 pub(crate) fn fold_ring(
     ring: &[Point],
     axes: &[Axis],
     covered: f64,
     on_top: &[bool],
-) -> Option<(Vec<Cloth>, Vec<Crease>)> {
-    let finite = ring.iter().all(|p| p.x.is_finite() && p.y.is_finite());
-    if !finite || axes.len() > Turns::MOST {
-        return None;
+) -> Result<(Vec<Cloth>, Vec<Crease>), FoldError> {
+    if axes.len() > Turns::MOST {
+        return Err(FoldError::TooManyFolds(Turns::MOST));
+    }
+    if !ring.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
+        return Err(FoldError::NoCrease);
     }
     let whole = (0..ring.len()).map(|i| Stretch {
         from: ring[i],
@@ -205,11 +214,12 @@ pub(crate) fn fold_ring(
             flap.chain(kept).collect()
         };
     }
-    Some((cloths, creases))
+    Ok((cloths, creases))
 }
 
 /// A piece of cloth between creases.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cloth {
     /// Its rim, closed.
     pub(crate) rim: Vec<Stretch>,
@@ -226,7 +236,8 @@ impl Cloth {
 }
 
 /// A straight stretch of a rim, to where the next one begins.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Stretch {
     /// Where it begins, folded.
     pub(crate) from: Point,
@@ -252,13 +263,13 @@ struct Fold<'a> {
 }
 
 impl Fold<'_> {
-    /// What it keeps and what it turns over, each in the order the cloths lay in; `None` if it creases nothing.
+    /// What it keeps and what it turns over, each in the order the cloths lay in.
     fn of_all(
         &self,
         cloths: Vec<Cloth>,
         creased: impl Fn(&Chord) -> bool,
         creases: &mut Vec<Crease>,
-    ) -> Option<(Vec<Cloth>, Vec<Cloth>)> {
+    ) -> Result<(Vec<Cloth>, Vec<Cloth>), FoldError> {
         let before = creases.len();
         let mut settled: Vec<(usize, Cloth, bool)> = Vec::with_capacity(2 * cloths.len());
         let mut whole = Vec::with_capacity(cloths.len());
@@ -271,7 +282,7 @@ impl Fold<'_> {
             }
         }
         if creases.len() == before {
-            return None;
+            return Err(FoldError::NoCrease);
         }
         // What is not cut goes with what it is creased to.
         while !whole.is_empty() {
@@ -289,7 +300,7 @@ impl Fold<'_> {
         settled.sort_by_key(|(place, ..)| *place);
         let (flap, kept): (Vec<_>, Vec<_>) = settled.into_iter().partition(|(_, _, turn)| *turn);
         let flap = flap.into_iter().map(|(_, cloth, _)| self.turned(cloth));
-        Some((
+        Ok((
             kept.into_iter().map(|(_, cloth, _)| cloth).collect(),
             flap.collect(),
         ))
@@ -309,14 +320,14 @@ impl Fold<'_> {
         cloth: Cloth,
         creased: impl Fn(&Chord) -> bool,
         creases: &mut Vec<Crease>,
-    ) -> Option<Outcome> {
+    ) -> Result<Outcome, FoldError> {
         let (fold, axis) = (self.fold, self.axis);
         let points = cloth.ring();
         let positive = self.forward != cloth.turned.over();
-        let mut chords = axis.chords_of(&points, positive).ok()?;
+        let mut chords = axis.chords_of(&points, positive)?;
         chords.retain(creased);
         if chords.is_empty() {
-            return Some(Outcome::Whole(cloth));
+            return Ok(Outcome::Whole(cloth));
         }
         let first_crease = creases.len();
         creases.extend(chords.iter().map(|c| Crease {
@@ -328,18 +339,13 @@ impl Fold<'_> {
         let mut nodes: Vec<(Stretch, Option<(usize, usize)>)> =
             Vec::with_capacity(points.len() + 2 * chords.len());
         let mut ends = vec![[0, 0]; chords.len()];
-        let mut beyond = Vec::with_capacity(nodes.capacity());
         let crossing = |i: usize| {
             let at = |(c, chord): (usize, &Chord)| (0..2).find(|&e| chord.ends[e].edge == i).map(|e| (c, e));
             chords.iter().enumerate().find_map(at)
         };
-        // Before its first creased crossing the rim is on the layer opposite to the one it then enters.
-        let first = (0..points.len()).find_map(crossing);
-        let mut left = first.is_some_and(|(c, e)| !chords[c].ends[e].to_left);
         for (i, stretch) in cloth.rim.iter().enumerate() {
             let Some((c, e)) = crossing(i) else {
                 nodes.push((*stretch, None));
-                beyond.push(left);
                 continue;
             };
             let at = axis.at(chords[c].ends[e].position);
@@ -352,8 +358,6 @@ impl Fold<'_> {
                 ..*stretch
             };
             nodes.push((begun, None));
-            beyond.push(left);
-            left = chords[c].ends[e].to_left;
             ends[c][e] = nodes.len();
             let rest = Stretch {
                 from: at,
@@ -361,22 +365,21 @@ impl Fold<'_> {
                 ..*stretch
             };
             nodes.push((rest, Some((c, e))));
-            beyond.push(left);
         }
 
-        let mut taken = vec![false; nodes.len()];
+        let mut part_after = vec![usize::MAX; nodes.len()]; // the part that the rim belongs to from each node on
         let mut parts = Vec::with_capacity(chords.len() + 1);
         for first in 0..nodes.len() {
-            if taken[first] {
+            if part_after[first] != usize::MAX {
                 continue;
             }
             let mut rim = Vec::with_capacity(nodes.len());
             let mut k = first;
             loop {
-                if taken[k] {
-                    return None;
+                if part_after[k] != usize::MAX {
+                    return Err(FoldError::Tangled);
                 }
-                taken[k] = true;
+                part_after[k] = parts.len();
                 rim.push(nodes[k].0);
                 k = (k + 1) % nodes.len();
                 if let (stretch, Some((c, e))) = nodes[k] {
@@ -391,13 +394,18 @@ impl Fold<'_> {
                     break;
                 }
             }
-            let part = Cloth {
+            parts.push(Cloth {
                 rim,
                 turned: cloth.turned,
-            };
-            parts.push((part, beyond[first]));
+            });
         }
-        Some(Outcome::Cut(parts))
+        // At the end of a chord the rim passes from one part to the other.
+        let passed = |k: usize| [part_after[(k + nodes.len() - 1) % nodes.len()], part_after[k]];
+        let across: Vec<[usize; 2]> = ends.iter().map(|e| passed(e[0])).collect();
+        let longest = longest(&chords);
+        let stays = across[longest][usize::from(!chords[longest].ends[0].to_left)];
+        let turned = turned_across(&across, stays, parts.len());
+        Ok(Outcome::Cut(parts.into_iter().zip(turned).collect()))
     }
 }
 

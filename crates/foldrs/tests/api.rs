@@ -2,9 +2,9 @@
 
 use foldrs::prelude::*;
 use foldrs::{
-    alignment, crease, fit, fold as folding, hypothesis, inner_distance, model, outline, parameters,
+    alignment, crease, fit, fold as folding, hypothesis, inner_distance, interrupt, model, outline,
 };
-use foldrs::{partial_match, registration, shape_context};
+use foldrs::{parameters, partial_match, registration, shape_context, stack};
 use std::error::Error;
 use std::fmt::Debug;
 
@@ -26,8 +26,12 @@ fn public_types_can_be_cloned_shown_and_shared_between_threads() {
         Layer,
     )>();
     handy::<inner_distance::InnerDistances>();
-    handy::<(shape_context::ShapeContexts, shape_context::CostMatrix)>();
-    handy::<alignment::Alignment>();
+    handy::<(
+        shape_context::ShapeContexts,
+        shape_context::CostMatrix,
+        shape_context::ShapeContextParameters,
+    )>();
+    handy::<(alignment::Alignment, alignment::AlignmentParameters)>();
     handy::<(Seen, Claim, Candidate, Matching, Explanation)>();
     handy::<registration::PlaneMap>();
     handy::<(FlexibleTemplate, JointExplanation, JointFits)>();
@@ -39,13 +43,20 @@ fn public_types_can_be_cloned_shown_and_shared_between_threads() {
         fit::SeenField,
         fit::Start,
     )>();
+    handy::<(fit::FoldCount, fit::KnownFold)>();
+    handy::<(stack::Cloth, stack::Crease, stack::FoldedStack, stack::Turns)>();
     handy::<model::Region>();
     handy::<(
         Parameters,
         parameters::FitParameters,
         parameters::RimParameters,
         parameters::RegionParameters,
+        parameters::SideParameters,
+        parameters::PartialMatchParameters,
+        parameters::HypothesisParameters,
+        parameters::ParameterError,
     )>();
+    handy::<(interrupt::Interrupt, interrupt::Interrupted)>();
     handy::<(FoldError, OutlineError)>();
 }
 

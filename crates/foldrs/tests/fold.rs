@@ -84,6 +84,7 @@ proptest! {
         let side = folded.axis.side(&o.at(arc));
         prop_assume!(side.abs() > 1e-9);
         prop_assert_eq!(folded.is_turned(arc), side > 0.0);
+        prop_assert_eq!(folded.is_turned(arc + o.length()), side > 0.0);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{cases, polygon, star, subdivided, transformed};
-use foldrs::inner_distance::{inner_distances, mean_inner_distance, InnerDistances};
+use foldrs::inner_distance::{inner_distances, InnerDistances};
 use foldrs::Point;
 use proptest::prelude::*;
 use robust::{orient2d, Coord};
@@ -265,6 +265,6 @@ fn small_inputs() {
 #[test]
 fn mean_of_a_square() {
     let square = inner_distances(&points(&[(0., 0.), (1., 0.), (1., 1.), (0., 1.)]));
-    assert!((mean_inner_distance(&square) - (4.0 + 2.0 * 2_f64.sqrt()) / 6.0).abs() < 1e-15);
-    assert_eq!(mean_inner_distance(&inner_distances(&[])), 0.0);
+    assert!((square.mean() - (4.0 + 2.0 * 2_f64.sqrt()) / 6.0).abs() < 1e-15);
+    assert_eq!(inner_distances(&[]).mean(), 0.0);
 }

@@ -126,6 +126,12 @@ fn what_determines_no_map_gives_none() {
     assert_eq!(PlaneMap::similarity(&same, &same, None), None);
     assert_eq!(PlaneMap::similarity(&line, &line, Some(&[0.0; 5])), None);
     assert_eq!(PlaneMap::affine(&line, &line, None), None);
+    let oblique: Vec<Point> = (0..5)
+        .map(|k| Point::new(0.1 * f64::from(k), 0.3 * f64::from(k) + 7.0))
+        .collect();
+    assert_eq!(PlaneMap::affine(&oblique, &oblique, None), None);
+    // Of points without a weight nothing is known.
+    assert_eq!(PlaneMap::similarity(&line, &line, Some(&[1.0])), None);
     assert_eq!(
         PlaneMap::similarity(&line, &line, None),
         Some(PlaneMap::identity())

@@ -1,7 +1,11 @@
 //! Parameters, outlines and results are written and read back as they were.
 
-use foldrs::fit::FoldCount;
+use foldrs::fit::{FoldCount, KnownFold, Start};
+use foldrs::hypothesis::Face;
+use foldrs::inner_distance::{inner_distances, InnerDistances};
 use foldrs::prelude::*;
+use foldrs::shape_context::{chi_squared, shape_contexts, CostMatrix};
+use foldrs::stack::{fold_stack, FoldedStack};
 use serde_json::{from_str, to_string};
 
 const SHEET: [[f64; 2]; 6] = [
@@ -72,4 +76,48 @@ fn results_are_read_back_as_they_were() {
     assert!(!fits.by_folds[1].is_empty());
     let again: JointFits = from_str(&to_string(&fits).unwrap()).unwrap();
     assert_eq!(format!("{again:?}"), format!("{fits:?}"));
+}
+
+/// What comes of writing and reading it.
+fn again<T: serde::Serialize + serde::de::DeserializeOwned>(told: &T) -> T {
+    from_str(&to_string(told).unwrap()).unwrap()
+}
+
+#[test]
+fn stacks_distances_and_what_a_fit_begins_with_are_read_back_as_they_were() {
+    let sheet = Outline::try_from(&SHEET[..]).unwrap();
+    let axes = [
+        [Point::new(58.0, 80.0), Point::new(52.0, 50.0)],
+        [Point::new(0.0, 60.0), Point::new(70.0, 65.0)],
+    ];
+    let stack = fold_stack(&sheet, &axes, &[]).unwrap();
+    let read: FoldedStack = again(&stack);
+    assert_eq!(read, stack);
+    assert_eq!(read.creases_seen(0), stack.creases_seen(0));
+    assert_eq!(read.outline(), stack.outline());
+
+    let (points, parameters) = (sheet.resample(20), Parameters::default());
+    let inner = inner_distances(&points);
+    assert_eq!(again::<InnerDistances>(&inner), inner);
+    let contexts = shape_contexts(&points, &inner, &parameters.shape_context);
+    let costs = chi_squared(&contexts, &contexts);
+    assert_eq!(again::<CostMatrix>(&costs), costs);
+
+    let known = KnownFold {
+        template: 0,
+        axis: axes[0],
+        crease: axes[1],
+        face: Face::Mirrored,
+    };
+    assert_eq!(again(&known), known);
+    assert_eq!(again(&FoldCount::UpTo(2)), FoldCount::UpTo(2));
+    let start = Start {
+        sides: axes.to_vec(),
+        anchor: axes[0][0],
+        target: axes[1][0],
+        turn: 0.25,
+        scale: 2.0,
+        reflected: true,
+    };
+    assert_eq!(again(&start), start);
 }

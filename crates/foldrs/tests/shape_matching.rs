@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use common::{cases, polygon, star, subdivided, transformed};
 use foldrs::alignment::{align, alignment_costs, AlignmentParameters};
-use foldrs::inner_distance::{inner_distances, mean_inner_distance};
+use foldrs::inner_distance::inner_distances;
 use foldrs::shape_context::{
     chi_squared, mirrored_shape_contexts, shape_contexts, CostMatrix, ShapeContextParameters, ShapeContexts,
 };
@@ -33,7 +33,7 @@ fn contexts(p: &[Point]) -> ShapeContexts {
 fn plain_histograms(p: &[Point], parameters: &ShapeContextParameters) -> Vec<f32> {
     let (n, n_dist, n_theta) = (p.len(), parameters.n_dist, parameters.n_theta);
     let inner = inner_distances(p);
-    let a = (1.5_f64.powf(0.75 * n_dist as f64) - 1.0) / mean_inner_distance(&inner);
+    let a = (1.5_f64.powf(0.75 * n_dist as f64) - 1.0) / inner.mean();
     let mut histograms = vec![0.0; n * n_dist * n_theta];
     for i in 0..n {
         let tangent = p[(i + 1) % n] - p[(i + n - 1) % n];

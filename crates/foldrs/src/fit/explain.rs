@@ -57,6 +57,7 @@ impl JointExplanation {
 
 /// How many folds to undo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FoldCount {
     /// So many.
     Exactly(usize),
@@ -140,6 +141,7 @@ pub fn explain_jointly(
 
 /// A fold that is known beforehand, for instance because the garment was folded on purpose.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct KnownFold {
     /// Index of the template.
     pub template: usize,
@@ -168,6 +170,9 @@ pub fn explain_from(
     };
     let sight = search.sight(picture, parameters);
     let start = |fold: &KnownFold| {
+        if !search.may_be(fold.template) {
+            return None;
+        }
         let crease = fold.crease.map(|p| p / search.working);
         let start = start_over(&fold.axis, fold.face, &crease, search.expected(fold.template, 1))?;
         Some((fold.template, start))
@@ -175,6 +180,10 @@ pub fn explain_from(
     let starts: Vec<(usize, Start)> = known.iter().filter_map(start).collect();
     search.told(&search.fits(&starts, sight.as_ref()), 1)
 }
+
+/// How many times as large (in length) as what is seen a garment may be, or as small: five folds make it look about a sixth
+/// of its size, and no garment is larger or smaller than its template by more than the rest.
+const MOST_LARGER: f64 = 10.0;
 
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
 struct Search<'a> {
@@ -251,6 +260,15 @@ impl<'a> Search<'a> {
             .map_or(ratio(whole, self.templates[template].area), |_| 1.0)
     }
 
+    /// Whether what is seen may be this template, by its size where the scale is known. Others would cost as much time as
+    /// they are larger.
+    fn may_be(&self, template: usize) -> bool {
+        self.templates.get(template).is_some_and(|t| {
+            let larger = ratio(t.area, self.field.area);
+            self.scale.is_none() || (1.0 / MOST_LARGER..=MOST_LARGER).contains(&larger)
+        })
+    }
+
     /// Every template unfolded: what a fold has to beat. The picture has nothing to say there: chance made its edges.
     fn unfolded(&self) -> Vec<(usize, JointFit)> {
         let fit = |t: usize| {
@@ -264,7 +282,10 @@ impl<'a> Search<'a> {
             );
             Some((t, fit?))
         };
-        let mut fits: Vec<(usize, JointFit)> = (0..self.templates.len()).filter_map(fit).collect();
+        let mut fits: Vec<(usize, JointFit)> = (0..self.templates.len())
+            .filter(|&t| self.may_be(t))
+            .filter_map(fit)
+            .collect();
         fits.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
         fits
     }
@@ -275,6 +296,9 @@ impl<'a> Search<'a> {
         let mut tried = vec![0; self.templates.len()];
         for claim in claims {
             let t = claim.template;
+            if !self.may_be(t) {
+                continue;
+            }
             tried[t] += 1;
             if tried[t] > self.parameters.starts {
                 continue;
@@ -301,7 +325,8 @@ impl<'a> Search<'a> {
     /// Fits as explanations by so many folds, the best evidence first.
     fn told(&self, fits: &[(usize, JointFit)], folds: usize) -> Vec<JointExplanation> {
         // Which side is the crease is one more thing to be told; of an earlier fold, also where it was seen.
-        let (sides, p) = ((self.sides.len() as f64).ln(), &self.parameters);
+        // A known fold may have none.
+        let (sides, p) = ((self.sides.len().max(1) as f64).ln(), &self.parameters);
         let further = folds.saturating_sub(1) as f64 * (sides + stack::WAYS.ln() + p.further_fold);
         let choice = if folds > 0 {
             sides + p.first_fold + further

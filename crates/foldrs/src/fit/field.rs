@@ -3,7 +3,8 @@
 use crate::outline::{distance_to_segment, Outline};
 use crate::{Point, Vector};
 
-/// The seen outline, prepared once for all candidates. Wound positively, in the fit's working units.
+/// The seen outline, prepared once for all candidates. Wound positively, in the fit's working units: those of the
+/// templates, as far as the scale is known.
 #[derive(Debug, Clone)]
 pub struct SeenField {
     /// Points at equal distances, with the direction of the outline there.

@@ -9,7 +9,7 @@ use crate::{Point, Segment};
 /// `creases` have the flap on their left, the first made first, and lie in the frame of the part no fold turns.
 pub(super) fn shares(ring: &[Point], creases: &[Segment], covered: f64) -> Option<Vec<f64>> {
     let axes: Vec<Axis> = creases.iter().map(Axis::new).collect::<Result<_, _>>().ok()?;
-    let (cloths, _) = fold_ring(ring, &axes, covered, &[])?;
+    let (cloths, _) = fold_ring(ring, &axes, covered, &[]).ok()?;
     let area = |ring: &[Point]| crate::outline::signed_area(ring).abs();
     let areas: Vec<f64> = cloths.iter().map(|cloth| area(&cloth.ring())).collect();
     let all: f64 = areas.iter().sum();

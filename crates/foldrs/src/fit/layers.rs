@@ -75,7 +75,7 @@ impl Layers {
 
 /// Folds a ring over axes that have the flap on their left, the first made first; see [`crate::stack`].
 pub(super) fn fold_layers(ring: &[Point], axes: &[Axis], covered: f64) -> Option<Layers> {
-    let (cloths, creases) = fold_ring(ring, axes, covered, &[])?;
+    let (cloths, creases) = fold_ring(ring, axes, covered, &[]).ok()?;
     Some(Layers {
         pieces: pieces(ring, axes, &cloths, &creases),
         creases,

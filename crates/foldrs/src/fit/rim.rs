@@ -148,7 +148,9 @@ impl<'a> Rims<'a> {
             if i < 0.0 || j < 0.0 || i >= self.picture.width as f64 || j >= self.picture.height as f64 {
                 continue;
             }
-            let [xx, xy, yy] = edges.tensor[j as usize * self.picture.width + i as usize];
+            let Some([xx, xy, yy]) = edges.tensor.get(j as usize * self.picture.width + i as usize) else {
+                continue;
+            };
             most = most.max(a * a * xx + 2.0 * a * b * xy + b * b * yy);
         }
         most

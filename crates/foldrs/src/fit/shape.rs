@@ -19,11 +19,13 @@ pub struct FlexibleTemplate {
     /// For every vertex of the template where it lies on the simplified one.
     vertices: Vec<Vertex>,
     /// What the corners are relative to, in template coordinates.
-    pub centre: Point,
+    pub(super) centre: Point,
     /// Whether the corners run the other way round than the outline given.
     pub(super) reversed: bool,
     /// Enclosed area.
     pub(super) area: f64,
+    /// Precision of every corner's own displacement: what its spread leaves of it, without its neighbours.
+    alone: Vec<f64>,
     /// Precision of the displacements (x, y of the first corner, of the second, ...).
     pub(super) precision: DMatrix<f64>,
     /// Its logarithmic determinant.
@@ -77,9 +79,16 @@ impl FlexibleTemplate {
             centre,
             reversed,
             area: outline.signed_area(),
+            alone: vec![shape; n],
             precision,
             log_det,
         }
+    }
+
+    /// What the corners are relative to: the centre of gravity of the outline given.
+    #[must_use]
+    pub fn centre(&self) -> Point {
+        self.centre
     }
 
     /// The same template with a spread of its own for every corner, in the template's units, instead of the one of
@@ -87,19 +96,20 @@ impl FlexibleTemplate {
     ///
     /// `spread` holds one value a vertex of the outline given. `None` unless there are so many, all positive and finite.
     #[must_use]
-    pub fn with_spread(mut self, spread: &[f64], parameters: &FitParameters) -> Option<Self> {
+    pub fn with_spread(mut self, spread: &[f64]) -> Option<Self> {
         let count = self.vertices.len();
         if spread.len() != count || !spread.iter().all(|s| s.is_finite() && *s > 0.0) {
             return None;
         }
-        let shape = (parameters.shape * self.area.sqrt()).powi(-2);
         for (i, vertex) in self.vertices.iter().enumerate() {
             // Vertices between the corners move along with them.
             if vertex.along == 0.0 && vertex.across == 0.0 {
                 let given = if self.reversed { (count - i) % count } else { i };
+                let alone = spread[given].powi(-2);
                 for k in [2 * vertex.edge, 2 * vertex.edge + 1] {
-                    self.precision[(k, k)] += spread[given].powi(-2) - shape;
+                    self.precision[(k, k)] += alone - self.alone[vertex.edge];
                 }
+                self.alone[vertex.edge] = alone;
             }
         }
         self.log_det = log_determinant(&self.precision)?;
@@ -275,14 +285,17 @@ mod tests {
             d
         };
         let usual = parameters.shape * trapezium().area.sqrt();
-        let same = trapezium().with_spread(&[usual; 4], &parameters).unwrap();
+        let same = trapezium().with_spread(&[usual; 4]).unwrap();
         assert!((same.cost(&moved(0)) - trapezium().cost(&moved(0))).abs() < 1e-9);
         assert!((same.log_det - trapezium().log_det).abs() < 1e-9);
         let loose = trapezium()
-            .with_spread(&[4.0 * usual, usual, usual, usual], &parameters)
+            .with_spread(&[4.0 * usual, usual, usual, usual])
             .unwrap();
         assert!(loose.cost(&moved(0)) < trapezium().cost(&moved(0)));
         assert!((loose.cost(&moved(1)) - trapezium().cost(&moved(1))).abs() < 1e-9);
+        // The last one given counts, alone.
+        let back = loose.with_spread(&[usual; 4]).unwrap();
+        assert!((back.precision - trapezium().precision).norm() < 1e-9);
     }
 
     #[test]
@@ -294,20 +307,15 @@ mod tests {
         let other = [0, 3, 2, 1];
         let turned = Outline::new(other.map(|k| p[k]).to_vec()).unwrap();
         let turned = FlexibleTemplate::new(&turned, &[], &parameters);
-        let one = one.with_spread(&spread, &parameters).unwrap();
-        let turned = turned
-            .with_spread(&other.map(|k| spread[k]), &parameters)
-            .unwrap();
+        let one = one.with_spread(&spread).unwrap();
+        let turned = turned.with_spread(&other.map(|k| spread[k])).unwrap();
         assert!((one.precision - turned.precision).norm() < 1e-9);
     }
 
     #[test]
     fn spreads_that_cannot_be_are_refused() {
-        let parameters = FitParameters::default();
-        assert!(trapezium().with_spread(&[1.0; 3], &parameters).is_none());
-        assert!(trapezium()
-            .with_spread(&[1.0, 1.0, 0.0, 1.0], &parameters)
-            .is_none());
+        assert!(trapezium().with_spread(&[1.0; 3]).is_none());
+        assert!(trapezium().with_spread(&[1.0, 1.0, 0.0, 1.0]).is_none());
     }
 
     proptest::proptest! {

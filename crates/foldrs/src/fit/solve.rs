@@ -10,7 +10,10 @@ use crate::parameters::FitParameters;
 use crate::{Point, Segment};
 
 /// Where a candidate begins.
+///
+/// Seen units, here and in [`JointFit`], are those of the [`SeenField`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
     /// The creases, first made first, each in the frame of the part that no fold turns, with the cloth on its left;
     /// of one fold a side of the seen outline in the outline's direction; empty for the template unfolded.
@@ -36,9 +39,9 @@ pub struct JointFit {
     pub corners: Vec<Point>,
     /// The corners in seen units: the garment unfolded, its kept part where it lies.
     pub ring: Vec<Point>,
-    /// Scale (seen units a template unit) and turn of the fitted pose.
+    /// Scale of the fitted pose: seen units a template unit.
     pub scale: f64,
-    /// Turn of the fitted pose.
+    /// Turn of the fitted pose (after its reflection, if it is reflected), in radians.
     pub turn: f64,
     /// Where the template's centre lies, in seen units.
     pub centre: Point,
@@ -48,7 +51,7 @@ pub struct JointFit {
     pub surprise: f64,
     /// What the picture says of it; nothing without a picture.
     pub picture: PictureEvidence,
-    /// The part of it that comes from the distances between the outlines alone.
+    /// The part of the surprise that comes from the distances between the outlines alone.
     pub residual: f64,
     pub(super) state: State,
     /// Where the picture shows rims.

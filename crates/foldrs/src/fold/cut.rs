@@ -114,26 +114,34 @@ fn turned_pieces(
             [piece_after[(k + nodes.len() - 1) % nodes.len()], piece_after[k]]
         })
         .collect();
-    let longest = (0..chords.len()).fold(0, |best, c| {
-        if chords[c].length() > chords[best].length() {
-            c
-        } else {
-            best
-        }
-    });
+    let longest = longest(chords);
     let k = ends[longest][0];
     let goes_left = chords[longest]
         .ends
         .iter()
         .find(|e| axis.at(e.position) == nodes[k].point)
         .is_some_and(|e| e.to_left);
-    let stays = across[longest][usize::from(!goes_left)];
+    turned_across(&across, across[longest][usize::from(!goes_left)], count)
+}
 
+/// The longest of some chords, the first if several are.
+pub(crate) fn longest(chords: &[Chord]) -> usize {
+    (0..chords.len()).fold(0, |best, c| {
+        if chords[c].length() > chords[best].length() {
+            c
+        } else {
+            best
+        }
+    })
+}
+
+/// Which pieces are turned if one stays, and across every crease, each between two of them, that changes.
+pub(crate) fn turned_across(across: &[[usize; 2]], stays: usize, count: usize) -> Vec<bool> {
     let mut turned = vec![None; count];
     turned[stays] = Some(false);
-    // The pieces form a tree over the chords, so this many rounds reach them all.
-    for _ in 0..chords.len() {
-        for &[a, b] in &across {
+    // The pieces form a tree over the creases, so this many rounds reach them all.
+    for _ in 0..across.len() {
+        for &[a, b] in across {
             match (turned[a], turned[b]) {
                 (Some(t), None) => turned[b] = Some(!t),
                 (None, Some(t)) => turned[a] = Some(!t),

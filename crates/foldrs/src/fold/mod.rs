@@ -17,6 +17,7 @@ use crate::crease::{Axis, Chord};
 use crate::outline::signed_area;
 use crate::{FoldError, Outline, Point, Segment};
 use cut::cut;
+pub(crate) use cut::{longest, turned_across};
 use grid::Grid;
 
 /// A chord is creased if at least this share of it lies on the axis segment.
@@ -94,9 +95,13 @@ impl Folded {
         self.outline.resample(n)
     }
 
-    /// Whether the point of the unfolded outline at an arc length lies on the flap.
+    /// Whether the point of the unfolded outline at an arc length, taken modulo its length, lies on the flap.
     #[must_use]
     pub fn is_turned(&self, arc: f64) -> bool {
+        // The last edge ends at the length.
+        let sources = self.kept.iter().chain(&self.flap).flat_map(|p| &p.sources);
+        let length = sources.fold(0.0_f64, |most, s| most.max(s.arc[0]).max(s.arc[1]));
+        let arc = arc.rem_euclid(length);
         let on = |s: &Source| {
             s.layer != Layer::Crease && arc >= s.arc[0].min(s.arc[1]) && arc <= s.arc[0].max(s.arc[1])
         };
@@ -168,7 +173,8 @@ impl Piece {
 /// Folds an outline over an axis segment: what hangs on the left of the chords it covers is turned over.
 ///
 /// *Left* is the side towards which the direction x turns to y. Turning the other side instead gives the mirror
-/// image over the axis. A chord counts as covered if half of it lies on the segment.
+/// image over the axis. A chord counts as covered if half of it lies on the segment, whose first end should not lie
+/// 1e15 times the outline's size away (see [`Axis`]).
 ///
 /// ```
 /// use foldrs::{fold, Outline, Point};

@@ -63,7 +63,7 @@ impl<'a> Clipper<'a> {
         let n = points.len() as u32;
         let mut next: Vec<u32> = (1..n).chain([0]).collect();
         let mut previous: Vec<u32> = [n - 1].into_iter().chain(0..n - 1).collect();
-        if signed_area(points) < 0.0 {
+        if twice_the_area(points) < 0.0 {
             std::mem::swap(&mut next, &mut previous);
         }
         let turn: Vec<f64> = (0..points.len())
@@ -231,7 +231,7 @@ fn orient(points: &[Point], a: u32, b: u32, c: u32) -> f64 {
 }
 
 /// Twice the signed area, relative to the first point for accuracy.
-fn signed_area(points: &[Point]) -> f64 {
+fn twice_the_area(points: &[Point]) -> f64 {
     let origin = points[0];
     points
         .windows(2)

@@ -12,10 +12,12 @@ const LEFT_OUT: f64 = 0.1;
 /// A side of the simplified outline: a candidate crease (section 2.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Side {
     /// The side itself, in the direction of the outline.
     pub segment: Segment,
     /// Arc length of its two ends on the outline; the second is smaller where the side runs over the first vertex.
+    /// Where it spans two sides in one line, as some of [`Seen::sides`](crate::Seen::sides) do, those of the longer one.
     pub arc: [f64; 2],
 }
 

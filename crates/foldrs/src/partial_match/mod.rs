@@ -46,6 +46,9 @@ pub fn affinity(length: usize, difference: f64, parameters: &PartialMatchParamet
 /// Mean squared difference of two pieces by the direct double sum over all pairs of their points.
 ///
 /// What [`partial_matches`] finds for all pieces at once; here for one, and for oracles.
+///
+/// # Panics
+/// If an outline has fewer points than the piece.
 #[must_use]
 pub fn piece_difference(
     seen: &ChordAngles,
@@ -54,6 +57,10 @@ pub fn piece_difference(
     template_start: usize,
     length: usize,
 ) -> f64 {
+    assert!(
+        length <= seen.len().min(template.len()),
+        "a piece of {length} points is longer than an outline"
+    );
     let mut sum = 0.0;
     for a in 0..length {
         for k in seen.delta + 1..length - a {

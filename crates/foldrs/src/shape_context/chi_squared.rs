@@ -5,6 +5,7 @@ use crate::wide::{widest, Kernel};
 
 /// A matrix of matching costs, row-major.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CostMatrix {
     /// Number of rows.
     pub rows: usize,

@@ -10,7 +10,7 @@ mod chi_squared;
 
 pub use chi_squared::{chi_squared, CostMatrix};
 
-use crate::inner_distance::{mean_inner_distance, InnerDistances};
+use crate::inner_distance::InnerDistances;
 use crate::wide::{widest, Kernel};
 use crate::Point;
 use bins::{Rings, Sectors};
@@ -129,7 +129,7 @@ fn described(
         points: &points[..n],
         inner,
         mirrored,
-        rings: Rings::new(n, n_dist, n_theta, mean_inner_distance(inner)),
+        rings: Rings::new(n, n_dist, n_theta, inner.mean()),
         sectors: Sectors::new(n, n_theta),
         contexts: ShapeContexts {
             n,
