@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from foldrs.errors import (
     SeveralGarmentsError,
     TemplateError,
 )
+from foldrs.parameters import Parameters
 from foldrs.synth import Scene, SynthParameters, make_scene
 from foldrs.template import builtin_templates, save_template
 
@@ -420,3 +422,74 @@ def test_any_simple_outline_gives_an_answer_or_a_named_error(points: NDArray[np.
         return
     json.dumps(result.to_dict(), allow_nan=False)
     assert len(result.alternatives) >= 1
+
+
+@pytest.mark.parametrize(
+    ("group", "change"),
+    [
+        ("hypothesis", {"angle_bins": 0}),
+        ("partial_match", {"points": 4}),
+        ("partial_match", {"delta": 10**9}),
+        ("fit", {"nodes": 0}),
+        ("fit", {"bow": 0.0}),
+        ("fit", {"noise": float("nan")}),
+        ("shape_context", {"n_theta": 0}),
+        ("rim", {"mislead": 2.0}),
+    ],
+)
+@pytest.mark.parametrize("method", ["best", "paper"])
+def test_parameters_out_of_range(group: str, change: dict[str, Any], method: Any) -> None:
+    matching = Parameters().matching
+    changed = replace(getattr(matching, group), **change)
+    parameters = replace(Parameters(), matching=replace(matching, **{group: changed}))
+    (name,) = change
+    with pytest.raises(ParameterError, match=rf"{group}\.{name} must be"):
+        foldrs.fit(TOWEL.outline, garment_type="towel", method=method, parameters=parameters)
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, float("nan")])
+def test_the_core_refuses_a_scale_that_is_none(scale: float) -> None:
+    seen = _core.Seen(TOWEL.outline, _core.default_parameters())
+    with pytest.raises(ParameterError, match="scale"):
+        seen.matches([TOWEL.outline], scale)
+
+
+@pytest.mark.parametrize(
+    ("group", "change", "words"),
+    [
+        ("outline", {"smoothing": 0.0}, "outline.smoothing must be positive"),
+        ("outline", {"least_pixels": -1}, "outline.least_pixels must be 0 or"),
+        ("outline", {"fine_side": 640.5}, "outline.fine_side must be a whole number"),
+        ("picture", {"looks": 0}, "picture.looks must be positive"),
+        ("picture", {"means_nothing": (1.0,)}, "picture.means_nothing must be 8 numbers"),
+        ("grasp", {"clearance": float("nan")}, "grasp.clearance must be 0 or"),
+        ("alternatives", {"nats": -1.0}, "alternatives.nats must be 0 or"),
+        ("alternatives", {"most": True}, "alternatives.most must be a whole number"),
+        ("depth", {"tolerance": "wide"}, "depth.tolerance must be a number"),
+    ],
+)
+def test_parameters_of_the_stages_in_python_out_of_range(
+    group: str, change: dict[str, Any], words: str
+) -> None:
+    parameters = replace(Parameters(), **{group: replace(getattr(Parameters(), group), **change)})
+    with pytest.raises(ParameterError, match=words):
+        foldrs.fit(TOWEL.outline, garment_type="towel", parameters=parameters)
+
+
+def test_a_group_of_parameters_is_of_its_kind() -> None:
+    parameters = replace(Parameters(), grasp=Parameters().depth)
+    with pytest.raises(ParameterError, match="grasp must be a GraspParameters, not DepthParameters"):
+        foldrs.fit(TOWEL.outline, garment_type="towel", parameters=parameters)
+
+
+def test_what_may_be_nothing_may_be_zero() -> None:
+    outline = replace(Parameters().outline, opening=0.0, cut_rounds=0, rim_rounds=0)
+    grasp = replace(Parameters().grasp, clearance=0.0, ample=0.0, snap=0.0)
+    made = make_scene(TOWEL, seed=3, parameters=SCENE)
+    assert foldrs.fit(made.image, garment_type="towel", parameters=Parameters(outline=outline, grasp=grasp))
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e4, 1e9])
+def test_a_scale_far_off_is_refused_at_once(scale: float) -> None:
+    with pytest.raises(NoHypothesisError, match="scale"):
+        foldrs.fit(TOWEL.outline * 4, garment_type="towel", px_per_cm=scale)

@@ -151,11 +151,41 @@ def test_a_file_that_was_sent_is_named_as_it_was_given(tmp_path: Path) -> None:
         ({"jobs": 0}, "jobs"),
         ({"jobs": -1}, "jobs"),
         ({"jobs": 10**30}, "jobs"),
+        ({"jobs": "2"}, "jobs"),
+        ({"jobs": 1.5}, "jobs"),
+        ({"timeout": "2"}, "timeout must be a positive number of seconds, not '2'"),
+        ({"timeout": True}, "timeout"),
+        ({"px_per_cm": -1}, "px_per_cm"),
+        ({"px_per_cm": "4"}, "px_per_cm"),
+        ({"method": "guess"}, "method"),
+        ({"folds": 9}, "folds"),
+        ({"parameters": {}}, "parameters"),
+        ({"templates": [3]}, "templates"),
+        ({"templates": ["nowhere.json"]}, "no such template file"),
+        ({"garment_type": "ballgown"}, "ballgown"),
     ],
 )
 def test_limits_out_of_range(options: dict[str, Any], words: str) -> None:
-    with pytest.raises(ParameterError, match=words):
+    with pytest.raises((ParameterError, TemplateError), match=words):
         foldrs.fit_many([SQUARE], **options)  # at the call, not when the first answer is asked for
+
+
+@pytest.mark.parametrize("images", ["no.png", Path("no.png"), b"no.png", 3, None])
+def test_what_is_no_list_of_images_is_refused(images: Any) -> None:
+    with pytest.raises(ParameterError, match="images must be a list"):
+        foldrs.fit_many(images)
+
+
+def test_an_unknown_option_is_refused_as_any_wrong_keyword() -> None:
+    with pytest.raises(TypeError, match="garment"):
+        foldrs.fit_many([SQUARE], garment="pants")
+    with pytest.raises(TypeError, match="source"):
+        foldrs.fit_many([SQUARE], source=SQUARE)
+
+
+def test_templates_that_can_be_taken_once_serve_all_images() -> None:
+    found = foldrs.fit_many([SQUARE, FLAG], templates=iter(builtin_templates("towel")))
+    assert [answer(one) for one in found] == expected([SQUARE, FLAG])
 
 
 def test_so_many_images_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,10 +11,12 @@ import time
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from foldrs import __version__
+from foldrs import __version__, plot, stages_plot
 from foldrs.cli import main
 from foldrs.synth import SynthParameters, make_scene
 from foldrs.template import builtin_templates
@@ -186,10 +188,23 @@ def test_images_of_one_name_keep_their_folders(photos: list[Path], tmp_path: Pat
     assert refused.exit_code == 2
     assert "--keep-folders" in refused.stderr
     assert not out.exists()
-    assert fit(*images, "--out", out, "--keep-folders").exit_code == 0
+    done = fit(*images, "--out", out, "--keep-folders")
+    assert done.exit_code == 0
+    names = ["left/day/0001.jpg", "right/day/0001.jpg"]
+    assert [line.split(": ")[0] for line in done.stdout.splitlines()] == names
     assert set(results(out)) == {"left/day/0001.json", "right/day/0001.json"}
+    assert {one["image"] for one in results(out).values()} == {"0001.jpg"}
     again = fit(*images, "--out", out, "--keep-folders", "--resume")
     assert "2 of 2 images were done already" in again.stderr
+    images[1].write_text("no picture")
+    told = fit(*images, "--out", out, "--keep-folders", "--resume", "--jsonl")
+    assert [json.loads(line)["image"] for line in told.stdout.splitlines()] == names
+    assert f"{images[1]}: " in told.stderr
+    images.append(images[0].with_suffix(".png"))
+    refused = fit(*images, "--out", out, "--keep-folders")
+    assert refused.exit_code == 2
+    assert "both" in refused.stderr
+    assert "--keep-folders" not in refused.stderr
 
 
 def test_a_result_of_another_image_is_left_alone(photos: list[Path], tmp_path: Path) -> None:
@@ -208,6 +223,122 @@ def test_a_result_of_another_image_is_left_alone(photos: list[Path], tmp_path: P
     (tmp_path / "a" / "0001.jpg").write_bytes(photos[2].read_bytes())
     assert fit(tmp_path / "a" / "0001.jpg", "--out", out).exit_code == 0
     assert (out / "0001.json").read_bytes() != before
+
+
+@pytest.mark.parametrize(
+    "content", ['{"axis_garment": null}', '{"shapes": []}', "[1]", "a note", '{"schema": 1}']
+)
+def test_files_that_foldrs_did_not_make_are_left_alone(
+    photos: list[Path], tmp_path: Path, content: str
+) -> None:
+    (tmp_path / "towel-0.json").write_text(content)
+    done = fit(*photos[:2], "--out", tmp_path)
+    assert done.exit_code == 1
+    assert f"{photos[0]}: {tmp_path / 'towel-0.json'} was not made by foldrs" in done.stderr
+    assert "another folder for --out" in done.stderr
+    assert (tmp_path / "towel-0.json").read_text() == content
+    assert json.loads((tmp_path / "towel-1.json").read_text())["garment_type"] == "towel"
+
+
+def test_a_picture_that_foldrs_did_not_draw_is_left_alone(photos: list[Path], tmp_path: Path) -> None:
+    mask = tmp_path / "towel-0.png"
+    mask.write_bytes(b"a mask")
+    for earlier in (False, True):  # also beside a result without a picture
+        if earlier:
+            assert fit(photos[0], "--out", tmp_path).exit_code == 0
+        for options in ([], ["--resume"]):
+            done = fit(photos[0], "--out", tmp_path, "--plot", *options)
+            assert done.exit_code == 1
+            assert f"{mask} was not made by foldrs" in done.stderr
+            assert mask.read_bytes() == b"a mask"
+            assert (tmp_path / "towel-0.json").exists() == earlier
+    assert fit(photos[0], "--out", tmp_path, "--px-per-cm", 2.5).exit_code == 0
+    assert mask.read_bytes() == b"a mask"
+
+
+def test_a_picture_goes_with_its_result(photos: list[Path], tmp_path: Path) -> None:
+    result, picture = tmp_path / "towel-0.json", tmp_path / "towel-0.png"
+    for _ in range(2):
+        assert fit(photos[0], "--out", tmp_path, "--plot").exit_code == 0
+    first = picture.read_bytes()
+    assert fit(photos[0], "--out", tmp_path, "--px-per-cm", 5).exit_code == 0
+    assert not picture.exists()  # it would show what is no longer told
+    done = fit(photos[0], "--out", tmp_path, "--px-per-cm", 5, "--resume", "--plot")
+    assert done.exit_code == 0
+    assert not np.array_equal(cv2.imread(str(picture)), cv2.imdecode(np.frombuffer(first, np.uint8), 1))
+    assert json.loads(result.read_text())["made_by"]["pictures"] == [".png"]
+
+
+def test_a_batch_killed_between_picture_and_result_is_taken_up_again(
+    photos: list[Path], tmp_path: Path
+) -> None:
+    assert fit(photos[0], "--out", tmp_path, "--plot").exit_code == 0
+    (tmp_path / "towel-0.json").rename(tmp_path / ".towel-0.json.ab12_x.part")
+    (tmp_path / "towel-0.stages.png").write_bytes(b"somebody's")
+    done = fit(photos[0], "--out", tmp_path, "--plot", "--resume")
+    assert done.exit_code == 0, done.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "towel-0.json",
+        "towel-0.png",
+        "towel-0.stages.png",
+    ]
+    assert (tmp_path / "towel-0.stages.png").read_bytes() == b"somebody's"
+
+
+def test_no_picture_stays_without_its_result(
+    photos: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(result: object, image: object, path: Path, **_: object) -> None:
+        path.write_bytes(b"a part")
+        raise OSError("the disk is full")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(plot, "save_picture", fail)
+        assert fit(photos[0], "--out", tmp_path, "--plot").exit_code == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["errors.jsonl"]
+    assert fit(photos[0], "--out", tmp_path, "--plot").exit_code == 0
+
+
+def test_a_result_without_its_stages_is_still_a_line_of_json(
+    photos: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError("the disk is full")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(stages_plot, "save_stages", fail)
+        done = fit(photos[0], "--out", tmp_path, "--plot-stages", "--jsonl")
+    assert done.exit_code == 1
+    assert "the disk is full" in done.stderr
+    assert json.loads(done.stdout)["garment_type"] == "towel"
+    again = fit(photos[0], "--out", tmp_path, "--plot-stages", "--resume")
+    assert again.exit_code == 0
+    assert (tmp_path / "towel-0.stages.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("content", "ours"),
+    [
+        ("", True),
+        ('{"image": "a.jpg", "error": "E", "message": ""}\n', True),
+        ('{"image": "a.jpg", "error": "E", "message": ""}\n{"image": "b.j', True),
+        ('{"level": "error", "text": "mine"}\n', False),
+        ("a note", False),
+        ("[]\n", False),
+    ],
+)
+def test_a_list_of_errors_is_replaced_only_if_it_is_one(
+    photos: list[Path], tmp_path: Path, content: str, ours: bool
+) -> None:
+    errors = tmp_path / "errors.jsonl"
+    errors.write_text(content)
+    done = fit(photos[0], "--out", tmp_path)
+    assert done.exit_code == (0 if ours else 2)
+    assert errors.exists() != ours
+    if not ours:
+        assert errors.read_text() == content
+        assert str(errors) in done.stderr
+        assert [path.name for path in tmp_path.iterdir()] == ["errors.jsonl"]
 
 
 def test_what_a_killed_batch_left_half_written_is_cleared_away(photos: list[Path], tmp_path: Path) -> None:

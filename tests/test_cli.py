@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import click
 import cv2
 import numpy as np
 import pytest
@@ -202,6 +204,118 @@ def test_wrong_options_are_explained(photos: Path, options: list[str], status: i
     assert told in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--marker", "0"], "--marker: "),
+        (["--marker", "5", "--marker-family", "foo"], "--marker-family: "),
+        (["--marker", "8", "--px-per-cm", "4"], "--px-per-cm goes without --marker"),
+        (["--a4", "--px-per-cm", "4"], "--px-per-cm goes without --a4"),
+        (["--homography", "h.json", "--px-per-cm", "4"], "--px-per-cm goes without --homography"),
+        (["--camera", "c.json", "--px-per-cm", "4"], "--px-per-cm goes without --camera"),
+        (["--robot-base", "r.json"], "--robot-base needs"),
+        (["--timeout", "0"], "--timeout"),
+    ],
+)
+def test_wrong_calls_are_refused_before_anything_is_done(
+    photos: Path, tmp_path: Path, options: list[str], told: str
+) -> None:
+    done = foldrs("fit", photos / "towel.jpg", *options, "--out", tmp_path / "out")
+    assert done.exit_code == 2
+    assert told in done.stderr
+    assert not done.stdout
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_camera_without_a_pose_is_told_by_its_option(photos: Path, tmp_path: Path) -> None:
+    camera = {"camera_matrix": [[800, 0, 320], [0, 800, 240], [0, 0, 1]], "dist_coeffs": [0, 0, 0, 0, 0]}
+    (tmp_path / "camera.json").write_text(json.dumps(camera))
+    done = foldrs(
+        "fit", photos / "towel.jpg", "--camera", tmp_path / "camera.json", "--out", tmp_path / "out"
+    )
+    assert done.exit_code == 1
+    assert "--table-pose" in done.stderr
+    assert "TablePlane" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--px-per-cm", "0"], "--px-per-cm: "),
+        (["--folds", "7"], "--folds: "),
+        (["--folds", "-1"], "--folds: "),
+    ],
+)
+def test_numbers_out_of_range_are_told_by_their_option(
+    photos: Path, tmp_path: Path, options: list[str], told: str
+) -> None:
+    done = foldrs("fit", photos / "towel.jpg", *options, "--out", tmp_path / "out")
+    assert told in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--px-per-cm", "0"], "--px-per-cm is 0"),
+        (["--size", "0", "0"], "--size is (0, 0)"),
+        (["--tilt", "90"], "--tilt is 90"),
+        (["--marker", "-1"], "--marker is -1"),
+        (["--folds", "0", "--scenario", "limb"], "--scenario"),
+    ],
+)
+def test_synth_refuses_wrong_calls(tmp_path: Path, options: list[str], told: str) -> None:
+    done = foldrs("synth", "--out", tmp_path / "scenes", "--count", 1, *options)
+    assert done.exit_code == 2
+    assert told in done.stderr
+    assert not (tmp_path / "scenes").exists()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["synth", "--count", "1", "--out"],
+        ["demo", "--out"],
+        ["fit", "photo.jpg", "--out"],
+        ["evaluate", "--protocol", "synthetic", "--count", "1", "--out"],
+        ["fit", "photo.jpg", "--report"],
+    ],
+)
+def test_a_folder_that_cannot_be_is_told_in_words(tmp_path: Path, command: list[str]) -> None:
+    (tmp_path / "afile").touch()
+    done = foldrs(*command, tmp_path / "afile" / "sub" / "page.html")
+    assert done.exit_code == 1
+    assert f"{command[-1]}: {tmp_path / 'afile'} is not a folder" in done.stderr
+    assert "Errno" not in done.stderr
+    assert isinstance(done.exception, SystemExit)
+
+
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="there is no such device")
+@pytest.mark.parametrize("command", [["fit", "photo.jpg"], ["synth", "--count", "1"]])
+def test_a_device_is_no_folder(command: list[str]) -> None:
+    done = foldrs(*command, "--out", "/dev/null")
+    assert done.exit_code == 1
+    assert "--out: /dev/null is not a folder" in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["../evil/x", "a\\b"])
+def test_a_kind_that_can_name_no_file_writes_none(tmp_path: Path, kind: str) -> None:
+    save_template(replace(builtin_templates("towel")[0], garment_type=kind), tmp_path / "mine.json")
+    before = sorted(tmp_path.rglob("*"))
+    done = foldrs("synth", "--out", tmp_path / "scenes", "--template", tmp_path / "mine.json", "--count", 1)
+    assert done.exit_code == 1
+    assert "can name no file" in done.stderr
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_outlines_that_are_not_there_are_told_in_words(tmp_path: Path) -> None:
+    done = foldrs("synth", "--out", tmp_path / "scenes", "--outlines", tmp_path / "nope.json")
+    assert done.exit_code == 1
+    assert "no such file of outlines" in done.stderr
+    assert "Errno" not in done.stderr
+
+
 def test_a_mask_goes_with_one_image(photos: Path) -> None:
     done = foldrs("fit", photos / "towel.jpg", photos / "skirt.jpg", "--mask", photos / "towel.mask.png")
     assert done.exit_code == 2
@@ -217,6 +331,13 @@ def test_template_show_draws_kinds_and_files(tmp_path: Path) -> None:
     unknown = foldrs("template", "show", "ballgown", "--out", tmp_path / "shown.png")
     assert unknown.exit_code == 1
     assert "skirt" in unknown.stderr
+    before = (tmp_path / "mine.json").read_bytes()
+    (tmp_path / "shown.png").symlink_to("mine.json")
+    for picture in ("mine.json", "shown.png", "other.json"):
+        refused = foldrs("template", "show", tmp_path / "mine.json", "--out", tmp_path / picture)
+        assert refused.exit_code == 2
+        assert picture in refused.stderr
+        assert (tmp_path / "mine.json").read_bytes() == before
 
 
 def test_synth_writes_the_same_scenes_with_any_number_of_jobs(tmp_path: Path) -> None:
@@ -275,6 +396,7 @@ def test_synth_takes_outlines_of_real_garments(tmp_path: Path) -> None:
         ("[]", "list"),
         ("not JSON", "JSON"),
         ('[{"type": "flag"}]', "outline"),
+        ("[[[0, 0], [3, 0], [3, 2]]]", "outline 0 must be an object"),
         ('[{"type": "flag", "outline": [[0,0],[3,0],[3,2]], "landmarks": {}}]', "size_cm"),
         ('[{"type": "flag", "outline": "round", "landmarks": {}, "size_cm": 60}]', "outline 0"),
         (
@@ -309,3 +431,25 @@ def test_demo_is_right_and_shows_what_it_wrote(tmp_path: Path) -> None:
     assert rows["grasp pair"][-1] == "right"
     assert cv2.imread(str(tmp_path / "demo" / "t-shirt.png")) is not None
     assert cv2.imread(str(tmp_path / "demo" / "scene" / truth["image"])) is not None
+
+
+def test_a_name_too_long_does_not_stop_the_other_images(photos: Path, tmp_path: Path) -> None:
+    done = foldrs("fit", "x" * 300 + ".jpg", photos / "towel.jpg", "--type", "towel", "--out", tmp_path)
+    assert done.exit_code == 1
+    assert "check the name" in done.stderr
+    assert json.loads((tmp_path / "errors.jsonl").read_text())["error"] == "ImageNotFoundError"
+    assert (tmp_path / "towel.json").is_file()
+
+
+@pytest.mark.parametrize("images", [["bad.jpg"], ["bad.jpg", "towel.jpg"]])
+def test_the_error_of_a_draft_is_no_cause_of_itself(photos: Path, images: list[str]) -> None:
+    call = ["template", "from-photo", "--kind", "towel", *(str(photos / name) for name in images)]
+    with pytest.raises(click.ClickException) as caught:
+        main(call, standalone_mode=False)
+    seen: list[BaseException] = []
+    error: BaseException | None = caught.value
+    while error is not None:
+        assert all(error is not other for other in seen)
+        seen.append(error)
+        error = error.__cause__
+    assert "bad.jpg" in str(seen[0])

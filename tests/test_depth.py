@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import struct
+import zlib
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -17,9 +20,15 @@ from foldrs import _core
 from foldrs.camera import Camera
 from foldrs.cli import main
 from foldrs.depth import cloth_by_height, heights_above_table, read_depth
-from foldrs.errors import DepthError, NoGarmentError, ParameterError
+from foldrs.errors import DepthError, ImageTooLargeError, NoGarmentError, ParameterError
 from foldrs.joint_fit import flexible_template
-from foldrs.parameters import DepthParameters, MatchingParameters, OutlineParameters, PictureParameters
+from foldrs.parameters import (
+    DepthParameters,
+    MatchingParameters,
+    OutlineParameters,
+    Parameters,
+    PictureParameters,
+)
 from foldrs.picture import colour_edges, with_heights
 from foldrs.synth import Scene, SynthParameters, make_scene
 from foldrs.template import builtin_templates
@@ -229,3 +238,46 @@ def test_tensors_of_two_shapes_are_refused() -> None:
     picture = (colours, 1.0, steps, None)
     with pytest.raises(ValueError, match="one shape"):
         _core.fit_jointly(seen, [TOWEL.outline], [flexible], 1, False, 4.0, picture)
+
+
+def png_header(width: int, height: int) -> bytes:
+    """A PNG file that claims to be of this size and 16 bits deep, and holds next to nothing."""
+    content = b""
+    header = struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)
+    for name, data in ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(9))), (b"IEND", b"")):
+        content += struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    return b"\x89PNG\r\n\x1a\n" + content
+
+
+def test_a_too_large_depth_image_is_refused_undecoded(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "large.png"
+    path.write_bytes(png_header(40_000, 40_000))
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("it was decoded"))
+    with pytest.raises(ImageTooLargeError, match=r"large\.png has 40000 x 40000"):
+        read_depth(path)
+    path.write_bytes(png_header(2_000, 2_000))
+    with pytest.raises(ImageTooLargeError, match="3999999 allowed"):
+        read_depth(path, 3_999_999)
+    outline = replace(OutlineParameters(), max_pixels=scene.image.shape[0] * scene.image.shape[1])
+    with pytest.raises(ImageTooLargeError, match=r"large\.png"):
+        foldrs.fit(scene.image, depth=path, parameters=Parameters(outline=outline))
+
+
+def test_a_depth_image_that_opencv_refuses_is_refused_in_our_words(tmp_path: Path) -> None:
+    (tmp_path / "large.png").write_bytes(png_header(40_000, 40_000))  # more than OpenCV takes
+    with pytest.raises(DepthError, match="no image"):
+        read_depth(tmp_path / "large.png", None)
+
+
+def test_a_depth_image_that_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(path: Path) -> bytes:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    (tmp_path / "locked.png").write_bytes(b"x")
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    with pytest.raises(DepthError, match=r"locked\.png: cannot be read .Permission denied"):
+        read_depth(tmp_path / "locked.png")
+    with pytest.raises(DepthError, match="cannot be read"):
+        read_depth(tmp_path / ("x" * 5000 + ".png"))

@@ -433,6 +433,23 @@ def test_tables_have_a_row_a_kind_and_one_overall():
         assert words in text.getvalue()
 
 
+@pytest.mark.parametrize("width", [60, 110, 160])
+def test_every_table_keeps_its_kinds_and_headings(width):
+    text = io.StringIO()
+    print_tables(rows(), Console(file=text, width=width))
+    lines = text.getvalue().splitlines()
+    assert max(map(len, lines)) <= width
+    assert "…" not in text.getvalue()
+    tables = sum("┃ Type" in line for line in lines)
+    assert (
+        tables == sum("│ Overall │" in line for line in lines) == sum("│ Sheet   │" in line for line in lines)
+    )
+    for heading in ("EucDist (cm)", "Pixels", "top 3 (%)", "unf IoU", "median s"):
+        assert sum(f" {heading} ┃" in line for line in lines) == 1
+    if width == 160:
+        assert tables == 3
+
+
 def test_csv_and_json_hold_every_scene(tmp_path):
     write_csv(rows(), tmp_path / "e.csv")
     write_json(rows(), {"protocol": "own"}, tmp_path / "e.json")
@@ -546,6 +563,43 @@ def test_every_protocol_finds_most_folds_end_to_end(drawn_scenes, tmp_path, prot
     assert overall["failed"] == 0
     assert overall["clr_fitted"] >= 50
     assert overall["segmentation_iou"] >= 0.9
+
+
+def test_the_truth_is_never_overwritten(drawn_scenes, tmp_path):
+    truth = drawn_scenes / "towel-2.json"
+    (tmp_path / "scenes").symlink_to(drawn_scenes)
+    (tmp_path / "copy").mkdir()
+    (tmp_path / "copy" / truth.name).write_bytes(truth.read_bytes())
+    (tmp_path / "link").mkdir()
+    (tmp_path / "link" / truth.name).symlink_to(truth)
+    before = {path: path.read_bytes() for path in drawn_scenes.iterdir()}
+    for out, told in (
+        (drawn_scenes, "is the folder of the scenes"),
+        (tmp_path / "scenes", "is the folder of the scenes"),
+        (tmp_path / "copy" / ".." / "scenes", "is the folder of the scenes"),
+        (tmp_path / "copy", truth.name),
+        (tmp_path / "link", truth.name),
+    ):
+        done = CliRunner().invoke(evaluate_command, [str(drawn_scenes), "--out", str(out)])
+        assert done.exit_code == 2
+        assert told in done.output
+    assert {path: path.read_bytes() for path in drawn_scenes.iterdir()} == before
+    assert [path.name for path in (tmp_path / "copy").iterdir()] == [truth.name]
+
+
+def test_virtual_folds_spare_what_they_did_not_make(tmp_path):
+    arguments = ["--protocol", "synthetic", "--count", "1", "--method", "paper", "--out", str(tmp_path)]
+    for _ in range(2):  # predictions may be made again
+        done = CliRunner().invoke(evaluate_command, arguments)
+        assert done.exit_code == 0
+        assert done.stdout.count("┃ Type ") == 3  # in a pipe no table is cut or taken apart
+        assert "…" not in done.stdout
+    (path,) = tmp_path.glob("*-001.json")
+    path.write_text("[]")
+    done = CliRunner().invoke(evaluate_command, arguments)
+    assert done.exit_code == 2
+    assert path.read_text() == "[]"
+    assert path.name in done.output
 
 
 def test_what_the_search_misses_is_measured(drawn_scenes, tmp_path):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import struct
+import zlib
 from pathlib import Path
 
 import cv2
@@ -14,6 +16,18 @@ from PIL import Image
 
 from foldrs.errors import FoldrsError, ImageNotFoundError, NotAnImageError
 from foldrs.image import as_mask, as_rgb, read_image, read_mask
+
+TURNED = {
+    1: lambda a: a,
+    2: lambda a: a[:, ::-1],
+    3: lambda a: a[::-1, ::-1],
+    4: lambda a: a[::-1],
+    5: lambda a: a.swapaxes(0, 1),
+    6: lambda a: np.rot90(a, -1),
+    7: lambda a: np.rot90(a, 2).swapaxes(0, 1),
+    8: lambda a: np.rot90(a, 1),
+}
+"""What each EXIF orientation does to the picture stored."""
 
 
 @pytest.fixture
@@ -57,23 +71,57 @@ def test_transparent_parts_are_laid_on_white(tmp_path: Path, picture: np.ndarray
     assert difference(rgb[10:], picture[10:]) == 0
 
 
+@pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize(
-    ("orientation", "stored"),
-    [
-        (1, lambda a: a),
-        (2, lambda a: a[:, ::-1]),
-        (3, lambda a: a[::-1, ::-1]),
-        (6, lambda a: np.rot90(a, 1)),
-        (8, lambda a: np.rot90(a, -1)),
-    ],
+    ("suffix", "transparent"),
+    [("jpg", False), *((suffix, alpha) for suffix in ("png", "webp", "tiff") for alpha in (False, True))],
 )
-def test_exif_orientation_is_honoured(tmp_path: Path, picture: np.ndarray, orientation, stored) -> None:
+def test_exif_orientation_is_honoured(
+    tmp_path: Path, picture: np.ndarray, orientation: int, suffix: str, transparent: bool
+) -> None:
+    """Cut out as well as whole: the parts hidden by alpha, coloured like the rest, lie on white."""
+    alpha = np.full(picture.shape[:2], 255, np.uint8)
+    alpha[:20, :10] = 0
     exif = Image.Exif()
     exif[0x0112] = orientation
-    Image.fromarray(np.ascontiguousarray(stored(picture))).save(
-        tmp_path / "turned.jpg", exif=exif, quality=95
-    )
-    assert difference(read_image(tmp_path / "turned.jpg"), picture) < 4
+    stored = np.dstack([picture, alpha]) if transparent else picture
+    how = {"jpg": {"quality": 95}, "webp": {"lossless": True, "exact": True}}.get(suffix, {})
+    Image.fromarray(stored).save(tmp_path / f"turned.{suffix}", exif=exif, **how)
+    want = TURNED[orientation](np.where(alpha[..., None] == 0, 255, picture) if transparent else picture)
+    found = read_image(tmp_path / f"turned.{suffix}")
+    assert difference(found, want) <= (4 if suffix == "jpg" else 0)
+    assert found.flags.c_contiguous
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_exif_orientation_of_16_bit_with_alpha(tmp_path: Path, picture: np.ndarray, orientation: int) -> None:
+    """Motorola's order of bytes too, the block behind the pixels, and a mask in the alpha channel."""
+    alpha = np.full(picture.shape[:2], 255, np.uint8)
+    alpha[:20, :10] = 0
+    deep = np.dstack([picture[..., ::-1], alpha]).astype(np.uint16) * 257
+    tags = struct.pack(">4sIHHHIHHI", b"MM\0*", 8, 1, 0x0112, 3, 1, orientation, 0, 0)
+    (tmp_path / "deep.png").write_bytes(with_exif(cv2.imencode(".png", deep)[1].tobytes(), tags))
+    want = TURNED[orientation](np.where(alpha[..., None] == 0, 255, picture))
+    assert difference(read_image(tmp_path / "deep.png"), want) == 0
+    Image.fromarray(np.dstack([np.zeros_like(picture), alpha])).save(tmp_path / "mask.png")
+    (tmp_path / "mask.png").write_bytes(with_exif((tmp_path / "mask.png").read_bytes(), tags))
+    assert np.array_equal(read_mask(tmp_path / "mask.png"), TURNED[orientation](alpha > 0))
+
+
+def with_exif(png: bytes, exif: bytes) -> bytes:
+    """A PNG file with an EXIF block behind the pixels, before its last chunk."""
+    chunk = b"eXIf" + exif
+    return png[:-12] + struct.pack(">I", len(exif)) + chunk + struct.pack(">I", zlib.crc32(chunk)) + png[-12:]
+
+
+@pytest.mark.parametrize(
+    "exif", [b"", b"MM", b"II*\0\xff\xff\xff\xff", b"MM\0*\0\0\0\x08\0\x09", b"no exif at all"]
+)
+def test_a_damaged_exif_block_turns_nothing(tmp_path: Path, picture: np.ndarray, exif: bytes) -> None:
+    Image.fromarray(picture).save(tmp_path / "a.png", exif=exif)
+    Image.fromarray(picture).save(tmp_path / "a.webp", exif=exif, lossless=True)
+    for name in ("a.png", "a.webp"):
+        assert difference(read_image(tmp_path / name), picture) == 0
 
 
 @given(
@@ -171,3 +219,93 @@ def test_mask_files(tmp_path: Path) -> None:
     Image.fromarray(np.dstack([np.zeros((40, 60, 3), np.uint8), grey])).save(tmp_path / "alpha.png")
     for name in ["mask.png", "mask.jpg", "alpha.png"]:
         assert np.array_equal(read_mask(tmp_path / name), want)
+
+
+@pytest.mark.parametrize("mode", ["RGB", "RGBA", "CMYK", "1", "P", "LA", "L", "I;16", "transparent P"])
+@pytest.mark.parametrize("orientation", [1, 6])
+def test_an_image_of_pillow_is_its_file(
+    tmp_path: Path, picture: np.ndarray, mode: str, orientation: int
+) -> None:
+    alpha = np.full(picture.shape[:2], 255, np.uint8)
+    alpha[:20, :10] = 0
+    whole = Image.fromarray(np.dstack([picture, alpha]))
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    how: dict[str, object] = {}
+    if mode == "I;16":
+        image = Image.fromarray(picture[..., 0].astype(np.uint16) * 257)
+    elif mode.endswith("P"):
+        image = whole.convert("RGB").quantize(32)
+        how = {"transparency": image.getpixel((0, 0))} if mode != "P" else {}
+    else:
+        image = whole.convert("LA" if mode == "LA" else "RGBA" if mode == "RGBA" else "RGB").convert(mode)
+    path = tmp_path / "a.png"
+    if mode == "CMYK":  # compressed: Pillow does not turn all uncompressed TIFFs right
+        path, how = tmp_path / "a.tiff", {"compression": "tiff_lzw"}
+    image.save(path, exif=exif, **how)
+    want = read_image(path)
+    with Image.open(path) as opened:
+        assert difference(as_rgb(opened), want) <= (1 if mode == "CMYK" else 0)
+        assert as_mask(opened).shape == want.shape[:2]
+    assert want.shape == (TURNED[orientation](picture)).shape
+    assert difference(want, TURNED[orientation](picture)) < 150
+
+
+def test_an_image_of_pillow_of_other_colours_or_cut_short(tmp_path: Path, picture: np.ndarray) -> None:
+    assert difference(as_rgb(Image.fromarray(picture).convert("YCbCr")), picture) < 3
+    Image.fromarray(picture).save(tmp_path / "a.png")
+    (tmp_path / "cut.png").write_bytes((tmp_path / "a.png").read_bytes()[:-40])
+    with Image.open(tmp_path / "cut.png") as cut, pytest.raises(NotAnImageError, match="Pillow"):
+        as_rgb(cut)
+
+
+@pytest.mark.parametrize("shape", [(20, 30), (20, 30, 3)])
+def test_a_floating_point_tiff_is_refused_as_such(
+    tmp_path: Path, shape: tuple[int, ...], capfd: pytest.CaptureFixture[str]
+) -> None:
+    cv2.imwrite(str(tmp_path / "a.tiff"), np.zeros(shape, np.float32))
+    with pytest.raises(NotAnImageError, match="floating-point TIFF"):
+        read_image(tmp_path / "a.tiff")
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("", "path is empty"),
+        ("https://example.com/a.jpg", "^https://example.com/a.jpg is a URL"),
+        (Path("https://example.com/a.jpg"), "is a URL, which is not read"),
+        ("file:///home/a.jpg", "URL"),
+    ],
+)
+def test_what_names_no_file_is_told_as_it_was_given(name: str | Path, words: str) -> None:
+    for read in (read_image, read_mask):
+        with pytest.raises(ImageNotFoundError, match=words):
+            read(name)
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".jpg", "nul\0.jpg", "file/below.jpg", "."])
+def test_names_that_no_image_can_have_are_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_bytes(b"x")
+    with pytest.raises(ImageNotFoundError) as caught:
+        read_image(tmp_path / name)
+    assert Path(name).name[:40].split("\0")[0] in str(caught.value)
+    with pytest.raises(ImageNotFoundError):
+        read_mask(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "error", [PermissionError(13, "Permission denied"), OSError(5, "Input/output error")]
+)
+def test_a_file_that_cannot_be_read_is_named_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: OSError
+) -> None:
+    def refused(_: Path) -> bytes:
+        raise error
+
+    (tmp_path / "locked.jpg").write_bytes(b"x")
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    with pytest.raises(NotAnImageError) as caught:
+        read_image(tmp_path / "locked.jpg")
+    for word in ("locked.jpg", error.strerror, "check"):
+        assert word in str(caught.value)

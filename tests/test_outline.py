@@ -16,18 +16,23 @@ from hypothesis import strategies as st
 from PIL import Image
 from shapely.geometry import Polygon
 
+from foldrs import fit
+from foldrs.camera import TablePlane
 from foldrs.errors import (
     GarmentCutOffError,
     GarmentCutOffWarning,
     GarmentTooSmallError,
+    ImageNotFoundError,
+    ImageTooLargeError,
     InvalidOutlineError,
     NoGarmentError,
     NotAnImageError,
     OutlineError,
     SeveralGarmentsError,
 )
-from foldrs.outline import as_outline, find_outline, outline_of_mask, segment
-from foldrs.parameters import OutlineParameters
+from foldrs.outline import as_outline, as_photograph, find_outline, outline_of_mask, segment
+from foldrs.parameters import OutlineParameters, Parameters
+from foldrs.scale import Marker, Sheet
 
 WIDTH, HEIGHT = 640, 480
 PULLOVER = np.array(  # a folded pullover with a gap of 12 px between one sleeve and the body
@@ -449,3 +454,65 @@ def test_points_that_are_no_outline(points: object, words: str) -> None:
         warnings.simplefilter("error")
         with pytest.raises(InvalidOutlineError, match=words):
             as_outline(points)
+
+
+def test_an_image_of_pillow_is_a_photograph(tmp_path: Path) -> None:
+    """Whatever its mode: black and white ones are no masks, and narrow ones no points."""
+    picture = np.full((120, 160), 255, np.uint8)
+    picture[30:90, 40:120] = 0
+    black_and_white = Image.fromarray(picture).convert("1")
+    black_and_white.save(tmp_path / "a.png")
+    want = find_outline(tmp_path / "a.png")
+    found = find_outline(black_and_white)
+    assert found.rgb is not None
+    assert np.array_equal(found.points, want.points)
+    assert np.array_equal(as_photograph(black_and_white), want.rgb)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.int64])
+def test_a_mask_of_0_and_1_as_the_source_is_told_what_it_must_be(dtype: type, tmp_path: Path) -> None:
+    mask = np.zeros((120, 160), dtype)
+    mask[30:90, 40:120] = 1
+    Image.fromarray(mask.astype(np.uint8)).save(tmp_path / "mask.png")
+    for source in (mask, tmp_path / "mask.png", str(tmp_path / "mask.png")):
+        with pytest.raises(NoGarmentError, match="booleans, or of 0 and 255"):
+            find_outline(source)
+    assert np.array_equal(find_outline(mask, mask=mask).points, find_outline(mask > 0).points)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [],
+        [[0, 384, 384, 0], [0, 0, 100, 100]],
+        [[0, 0, 1], [384, 0, 1], [384, 100, 1], [0, 100, 1]],
+        [[0.5], [1.5]],
+    ],
+)
+def test_points_of_another_shape_are_told_that_of_an_outline(points: list[list[float]]) -> None:
+    with pytest.raises(InvalidOutlineError, match=r"an outline has the shape \(n, 2\)"):
+        find_outline(points)
+
+
+def test_an_empty_path_and_a_url_are_told_as_such() -> None:
+    with pytest.raises(ImageNotFoundError, match="path is empty"):
+        find_outline("")
+    with pytest.raises(ImageNotFoundError, match="is a URL, which is not read"):
+        find_outline("https://example.com/a.jpg")
+
+
+def test_a_photograph_for_the_table_is_refused_undecoded_if_it_is_too_large(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = photograph()
+    cv2.imwrite(str(tmp_path / "a.png"), picture)
+    pixels = WIDTH * HEIGHT
+    assert as_photograph(tmp_path / "a.png", pixels) is not None
+    parameters = Parameters(outline=OutlineParameters(max_pixels=pixels - 1))
+    depth, table = np.ones((HEIGHT, WIDTH)), TablePlane(np.diag([0.1, 0.1, 1.0]))
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("it was decoded"))
+    known: dict[str, object]
+    for known in ({"depth": depth}, {"table": Sheet()}, {"table": Marker(5.0)}, {"table": table}):
+        for source in (tmp_path / "a.png", picture):
+            with pytest.raises(ImageTooLargeError, match="640 x 480"):
+                fit(source, parameters=parameters, **known)

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 
 import foldrs
 from foldrs import _core
+from foldrs.errors import ParameterError
+from foldrs.parameters import GraspParameters
 from foldrs.result import FitResult
 from foldrs.synth import Scene, SynthParameters, make_scene
-from foldrs.template import builtin_templates
+from foldrs.template import builtin_templates, save_template
 
 Points = NDArray[np.float64]
 
@@ -28,6 +30,7 @@ PX_PER_CM = 3.0
 SCENE = SynthParameters(
     image_size=(480, 360), px_per_cm=PX_PER_CM, tables=("plain", "wood"), cloths=("plain", "stripes")
 )
+SQUARE = [[0, 0], [90, 0], [90, 60], [0, 60]]
 RIGHT = 0.1  # largest dA of a crease that counts as right, as in the paper
 
 
@@ -312,3 +315,44 @@ def test_numpy_scalars_are_numbers_too() -> None:
     want = plain(foldrs.fit(outline, garment_type="pants", px_per_cm=3.0))
     for scale in (np.float32(3), np.int64(3), 3):
         assert plain(foldrs.fit(outline, garment_type=np.str_("pants"), px_per_cm=scale)) == want
+
+
+@pytest.mark.parametrize("scale", ["4", [4], np.array([4.0]), True, 4j])
+def test_a_scale_that_is_no_number_is_refused(scale: Any) -> None:
+    with pytest.raises(ParameterError, match="px_per_cm must be a positive number"):
+        foldrs.fit(SQUARE, px_per_cm=scale)
+
+
+@pytest.mark.parametrize("templates", [3, [3], [None], [{}], {}, {"type": "towel"}, b"towel.json", [b"a"]])
+def test_what_is_no_template_is_refused(templates: Any) -> None:
+    with pytest.raises(ParameterError, match="templates"):
+        foldrs.fit(SQUARE, templates=templates)
+
+
+def test_one_template_needs_no_list(tmp_path: Path) -> None:
+    (towel,) = builtin_templates("towel")
+    path = tmp_path / "towel.json"
+    save_template(towel, path)
+    want = plain(foldrs.fit(SQUARE, templates=[towel]))
+    for one in (towel, path, str(path)):
+        assert plain(foldrs.fit(SQUARE, templates=one)) == want
+
+
+@pytest.mark.parametrize("parameters", [3, {}, "best", GraspParameters()])
+def test_parameters_of_another_type_are_refused(parameters: Any) -> None:
+    with pytest.raises(ParameterError, match="parameters"):
+        foldrs.fit(SQUARE, parameters=parameters)
+
+
+@pytest.mark.parametrize("number", [np.int64(2), np.uint8(2), np.array(2)], ids=lambda n: type(n).__name__)
+def test_whole_numbers_of_any_type_are_numbers_of_folds(number: Any) -> None:
+    outline = outline_of(drawn("towel", 1))
+    answers = [foldrs.fit(outline, garment_type="towel", folds=folds) for folds in (2, number)]
+    assert len(answers[0].folds) == 2
+    assert plain(answers[0]) == plain(answers[1])
+
+
+@pytest.mark.parametrize("number", [True, False, np.True_, 1.0, np.float64(1), "1", None, -1, 5, "Auto"])
+def test_what_is_no_number_of_folds_is_refused(number: Any) -> None:
+    with pytest.raises(ParameterError, match="folds must be a whole number"):
+        foldrs.fit(outline_of(drawn("towel", 1)), garment_type="towel", folds=number)

@@ -21,7 +21,7 @@ import foldrs
 from foldrs import _core
 from foldrs import _plot_panels as panels
 from foldrs._plot_labels import place_labels
-from foldrs.errors import ImageNotFoundError, NotAnImageError
+from foldrs.errors import ImageNotFoundError, NotAnImageError, ParameterError
 from foldrs.matching_details import matching_details
 from foldrs.plot import MatchingDetails, draw_result, save_picture
 from foldrs.result import (
@@ -156,6 +156,24 @@ def test_image_file_gives_the_same_picture_as_its_pixels(
     save_picture(result, tmp_path / "photo.png", tmp_path / "a.png")
     save_picture(result, photo, tmp_path / "b.png")
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        [[0, 0], [1, 1]],
+        np.zeros((10, 10, 3), np.uint8),
+        np.zeros((240, 320), np.uint8),
+        np.zeros((480, 300), np.uint8),
+        exact_result().outline_image.astype(np.uint16),
+    ],
+)
+def test_an_image_that_does_not_hold_the_outline_is_refused(
+    result: FitResult, tmp_path: Path, image: object
+) -> None:
+    with pytest.raises(ParameterError, match="pass the photograph that it was found in"):
+        save_picture(result, image, tmp_path / "a.png")  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_threads_write_the_same_pictures_as_one_alone(photo: NDArray[np.uint8], tmp_path: Path) -> None:
@@ -415,3 +433,15 @@ def test_the_details_of_a_fit_are_pieces_of_both_outlines():
         assert len(on_seen) == len(on_template) >= 14
         assert _core.nearest_on_outline(result.outline_image, on_seen)[1].max() < 1e-6
         assert _core.nearest_on_outline(template.outline, on_template)[1].max() < 1e-6
+
+
+def test_grasp_points_unfold_to_where_their_corner_of_the_garment_lies(result: FitResult) -> None:
+    """Also where no one map lays the template into the image, as after a piecewise registration."""
+    given, pair = result.template, result.grasp_pairs[1]
+    corners = np.arange(len(given.outline))
+    bent = result.unfolded_outline_image + 9.0 * np.column_stack([np.sin(3.0 * corners), np.cos(corners)])
+    shown = arrows(draw_result(replace(result, grasp_pairs=(pair,), unfolded_outline_image=bent), None))
+    wanted = [
+        bent[np.abs(given.outline - given.landmarks[name]).sum(axis=1).argmin()] for name in pair.landmarks
+    ]
+    np.testing.assert_allclose([arrow.xy for arrow in shown], wanted, atol=1e-6)

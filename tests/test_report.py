@@ -21,9 +21,10 @@ import pytest
 from click.testing import CliRunner
 from numpy.typing import NDArray
 
+import foldrs
 from foldrs import _plot_panels as panels
 from foldrs.cli import main
-from foldrs.errors import ImageNotFoundError
+from foldrs.errors import ImageNotFoundError, ParameterError
 from foldrs.report import Report, write
 from foldrs.report.drawing import draw
 from foldrs.report.frame import Frame, cut_photo
@@ -141,9 +142,35 @@ def test_the_order_does_not_depend_on_which_image_comes_first(tmp_path: Path, ph
 def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     with pytest.raises(ImageNotFoundError):
         write([exact_result()] * 2, tmp_path / "page.html", images=[None, tmp_path / "nowhere.jpg"])
-    with pytest.raises(ValueError, match="shorter"):
-        write([exact_result()] * 2, tmp_path / "page.html", images=[None])
+    two = [exact_result()] * 2
+    for results, images, words in (
+        (two, [None], "2 results and 1 images"),
+        (two, [None] * 3, "2 results and 3 images"),
+        (iter(two), [None], "more than 1 results and 1 images"),
+        (two, iter([None] * 3), "2 results and more than 2 images"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            write(results, tmp_path / "page.html", images=images)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("with_images", [False, True])
+def test_a_batch_with_failures_is_shown_whole(tmp_path: Path, photo: Photo, with_images: bool) -> None:
+    """As ``foldrs fit --report`` does it; the photograph of a failure is shown where it can be read."""
+    (tmp_path / "bad.jpg").write_text("no image")
+    cv2.imwrite(str(tmp_path / "table.png"), np.full_like(photo, 128))
+    paths = [tmp_path / name for name in ("table.png", "bad.jpg", "nowhere.jpg")]
+    answers = [*foldrs.fit_many(paths), RuntimeError("a defect"), exact_result()]
+    images = [*paths, photo, photo] if with_images else None
+    write(answers, tmp_path / "page.html", images=images)
+    page = read(tmp_path / "page.html")
+    verdicts = [card["data-verdict"] for card in page.having("article")]
+    assert verdicts == ["failed"] * 4 + ["fold accepted"]
+    assert len(page.having("img")) == (3 if with_images else 0)
+    text = (tmp_path / "page.html").read_text()
+    for words in ("table.png", str(answers[0]), "cannot be read as an image", "There is no file"):
+        assert words in text
+    assert "RuntimeError: a defect" in text
 
 
 def test_a_report_that_is_never_entered_leaves_nothing_open(tmp_path: Path) -> None:

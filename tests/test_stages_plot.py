@@ -17,17 +17,18 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from foldrs import _core, _plot_panels, fit
+from foldrs import _core, _plot_panels, fit, stages_plot
 from foldrs._stages_panels import PARTNERS
 from foldrs.cli import main
-from foldrs.errors import NotAnImageError, ParameterError
+from foldrs.errors import NoHypothesisError, NotAnImageError, ParameterError
 from foldrs.explanation import apply
 from foldrs.fit_cli import fit_command
+from foldrs.parameters import AlternativeParameters, Parameters
 from foldrs.result import FitResult
 from foldrs.stages import chosen_pass
 from foldrs.stages_plot import draw_stages, save_stages
 from foldrs.synth import make_scene
-from foldrs.template import Template, builtin_templates
+from foldrs.template import Template, builtin_templates, save_template
 
 Points = NDArray[np.float64]
 
@@ -291,3 +292,76 @@ def test_plot_stages_needs_a_folder_to_write_to_and_spares_its_inputs(photos: Pa
     mask.unlink()
     assert done.exit_code == 2
     assert "overwritten" in done.stderr
+
+
+def test_stages_are_those_of_the_answer_where_its_kind_wins_by_its_weight() -> None:
+    """The cheapest fit is not the answer where its kind has many templates that explain nothing."""
+
+    def scaled(kind: str, *scale: float) -> Template:
+        marks = {name: point * scale for name, point in SKIRT.landmarks.items()}
+        return Template(f"{kind} {scale}", kind, "cm", SKIRT.outline * scale, marks)
+
+    many = [scaled("many", 1.0, 1.0), scaled("many", 1.6, 0.7), scaled("many", 0.6, 1.5)]
+    parameters = Parameters(alternatives=AlternativeParameters(temperature=1.0))
+    result = fit(
+        outline_of_folded(SKIRT),
+        templates=[*many, scaled("single", 1.0, 1.25)],
+        px_per_cm=4.0,
+        method="paper",
+        parameters=parameters,
+    )
+    assert result.garment_type == "single"
+    chosen = result.stages[chosen_pass(result.stages)]
+    assert {one.garment_type for one in result.stages} == {"single"}
+    assert chosen.cost == result.matching_cost
+    np.testing.assert_array_equal(chosen.template.outline, result.template.outline)
+
+
+def test_plot_stages_shows_the_published_method_with_its_own_templates(
+    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One usual template a kind, whatever competes for the answer; but those given all of them."""
+    shown: list[FitResult] = []
+    monkeypatch.setattr(stages_plot, "save_stages", lambda result, *_: shown.append(result))
+    towel, skirt = builtin_templates("towel")[0], builtin_templates("skirt")[0]
+    for name, template in (("mine", towel), ("other", replace(towel, name="other")), ("skirt", skirt)):
+        save_template(template, tmp_path / f"{name}.json")
+    own = [tmp_path / f"{name}.json" for name in ("mine", "other", "skirt")]
+    for templates in ([], own):
+        call = ["fit", str(photos / "towel.jpg"), "--plot-stages", "--out", str(tmp_path / "out")]
+        for template in templates:
+            call += ["--template", str(template)]
+        done = CliRunner().invoke(main, call)
+        assert done.exit_code == 0, done.output
+        outline = json.loads((tmp_path / "out" / "towel.json").read_text())["outline_image"]
+        wanted = fit(shown[-1].outline_image, templates=templates or None, method="paper")
+        np.testing.assert_allclose(shown[-1].outline_image, outline, atol=1e-4)
+        assert [(a.garment_type, a.probability) for a in shown[-1].alternatives] == [
+            (a.garment_type, a.probability) for a in wanted.alternatives
+        ]
+
+
+@pytest.mark.parametrize("error", [NoHypothesisError("nothing to compare"), OSError(28, "No space left")])
+def test_a_result_is_written_though_its_stages_cannot_be_drawn(
+    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def failing(*_: object) -> None:
+        raise error
+
+    call = ["fit", str(photos / "towel.jpg"), "--type", "towel", "--plot", "stages", "--out", str(tmp_path)]
+    assert CliRunner().invoke(main, call).exit_code == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(stages_plot, "save_stages", failing)
+        done = CliRunner().invoke(main, call)
+    assert done.exit_code == 1
+    assert "towel.stages.png could not be drawn" in done.stderr
+    assert str(error) in done.stderr
+    assert "towel.jpg: towel, folded" in done.stdout
+    assert json.loads((tmp_path / "towel.json").read_text())["garment_type"] == "towel"
+    (line,) = (tmp_path / "errors.jsonl").read_text().splitlines()
+    assert str(error) in json.loads(line)["message"]
+    left = sorted(p.name for p in tmp_path.iterdir())
+    assert left == ["errors.jsonl", "towel.json", "towel.png"]  # no picture of an earlier result
+    again = CliRunner().invoke(main, [*call, "--resume"])
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "towel.stages.png").is_file()

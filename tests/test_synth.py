@@ -515,6 +515,13 @@ def test_nonsense_counts(tmp_path: Any) -> None:
         make_scene(RECTANGLE, seed=-1)
 
 
+@pytest.mark.parametrize("kind", ["../evil", "a/b", "a\\b", "two\nlines", "bell\a"])
+def test_a_kind_that_can_name_no_file(tmp_path: Any, kind: str) -> None:
+    with pytest.raises(ParameterError, match="can name no file"):
+        make_scenes([RECTANGLE, dataclasses.replace(RECTANGLE, garment_type=kind)], 2, 1, tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_error_in_another_process_is_the_same_error(tmp_path: Any) -> None:
     small = SynthParameters(image_size=(100, 100))
     with pytest.raises(ParameterError, match="does not fit"):

@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -188,6 +189,7 @@ REFUSED = {
     "schema of another type": (changed(schema=True), "schema", "must be 1"),
     "no type": (without("type"), "type", "missing"),
     "empty type": (changed(type=" "), "type", "empty"),
+    "type of two lines": (changed(type="a\nb"), "type", "printable"),
     "type is no text": (changed(type=3), "type", "text"),
     "no units": (without("units"), "units", "missing"),
     "units are no text": (changed(units=None), "units", "text"),
@@ -205,12 +207,17 @@ REFUSED = {
     "first point repeated": (changed(outline=[*kite()["outline"], [0, 0]]), "outline[4]", "repeats"),
     "point repeated": (outline_with([-10, 10]), "outline[2]", "repeats"),
     "edges cross": (changed(outline=[[0, 0], [10, 40], [-10, 40], [10, 10]]), "outline", "cross"),
+    "bow tie": (changed(outline=[[0, 0], [10, 40], [10, 0], [0, 40]]), "outline", "crosses itself"),
     "no area": (changed(outline=[[0, 0], [1, 1], [2, 2]]), "outline", ""),
     "area beyond floats": (changed(outline=[[0, 0], [-1e200, 1e200], [1e200, 1e200]]), "outline", ""),
     "no landmarks": (without("landmarks"), "landmarks", "missing"),
     "landmarks are a list": (changed(landmarks=[[0, 0]]), "landmarks", "names"),
     "not one landmark": (changed(landmarks={}, symmetry=[], grasp_pairs=[]), "landmarks", "at least one"),
-    "landmark without a name": (landmark(" ", [0, 0]), "landmarks", "empty"),
+    "landmark without a name": (
+        landmark(" ", [0, 0]),
+        "landmarks",
+        "the name of a landmark must be a text that is not empty",
+    ),
     "landmark of one number": (landmark("tail", [0]), "landmarks.tail", "two numbers"),
     "landmark is NaN": (landmark("tail", [math.nan, 40]), "landmarks.tail", "finite"),
     "landmark outside": (landmark("tail", [0, 46]), "landmarks.tail", "off the outline"),
@@ -278,8 +285,9 @@ class TestErrors:
         [
             ('"type": "kite"', '"type": "kite", "type": "kite"', "type"),
             ('"top": [0, 0]', '"top": [0, 0], ' * 2 + '"x": [0, 0]', "landmarks.top"),
+            ('"type": "kite"', '"type": "kite", "spread": {"top": 1, "top": 2}', "spread.top"),
         ],
-        ids=["field", "landmark"],
+        ids=["field", "landmark", "spread"],
     )
     def test_name_given_twice(self, tmp_path, text, twice, field):
         path = tmp_path / "twice.json"
@@ -418,3 +426,60 @@ class TestPicture:
     def test_picture_that_cannot_be_written(self, tmp_path, name):
         with pytest.raises(TemplateError, match="cannot be written"):
             save_template_picture(Template.from_dict(kite(), name="kite"), tmp_path / name)
+
+
+CORNERS = kite()["outline"]
+MARKS = kite()["landmarks"]
+
+
+class TestConstructor:
+    @pytest.mark.parametrize(
+        ("changes", "field"),
+        [
+            ({"outline": [["a", "b"]] * 3}, "outline"),
+            ({"outline": [["0", "0"], ["-10", "10"], ["0", "40"]]}, "outline"),
+            ({"outline": [[0, 0], [1]]}, "outline"),
+            ({"outline": None}, "outline"),
+            ({"outline": np.array(CORNERS) * 1j}, "outline"),
+            ({"outline": [[0, 0, 0], [-10, 10, 0], [0, 40, 0]]}, "outline"),
+            ({"outline": [[0, 0], [-10, math.nan], [0, 40]]}, "outline"),
+            ({"landmarks": MARKS | {"top": [0, 0, 0]}}, "landmarks.top"),
+            ({"landmarks": MARKS | {"top": "here"}}, "landmarks.top"),
+            ({"landmarks": MARKS | {"top": None}}, "landmarks.top"),
+            ({"landmarks": MARKS | {"top": [0, math.inf]}}, "landmarks.top"),
+            ({"landmarks": [[0, 0]]}, "landmarks"),
+            ({"symmetry": "ab"}, "symmetry"),
+            ({"symmetry": [["left", "right", "top"]]}, "symmetry[0]"),
+            ({"grasp_pairs": [["left"]]}, "grasp_pairs[0]"),
+            ({"grasp_pairs": [3]}, "grasp_pairs[0]"),
+            ({"spread": {"top": "wide"}}, "spread.top"),
+            ({"spread": 3}, "spread"),
+        ],
+    )
+    def test_what_is_no_template_is_refused_by_field(self, changes, field):
+        given = {"outline": CORNERS, "landmarks": MARKS} | changes
+        with pytest.raises(TemplateError) as caught:
+            Template("kite", "kite", "cm", **given)
+        assert caught.value.field == field
+        assert str(caught.value).startswith(f"{field}: ")
+
+    def test_shares_nothing_with_what_it_is_made_of(self):
+        pairs, best, spread = [["left", "right"]], [["top", "tail"]], {"top": 2}
+        marks = {name: np.array(point, float) for name, point in MARKS.items()}
+        template = Template("kite", "kite", "cm", CORNERS, marks, pairs, best, spread)
+        before = json.dumps(template.to_dict())
+        for changed_later in (pairs, best):
+            changed_later[0][0] = "nowhere"
+            changed_later.append(["left", "left"])
+        spread["top"] = -1
+        marks["top"][:] = 7
+        assert json.dumps(template.to_dict()) == before
+        assert template.symmetry == (("left", "right"),)
+        assert template.grasp_pairs == (("top", "tail"),)
+
+    def test_threads_may_save_to_one_path(self, tmp_path):
+        template = Template.from_dict(kite(), name="kite")
+        with ThreadPoolExecutor(8) as pool:
+            list(pool.map(lambda _: save_template(template, tmp_path / "kite.json"), range(200)))
+        assert load_template(tmp_path / "kite.json").to_dict() == template.to_dict()
+        assert [file.name for file in tmp_path.iterdir()] == ["kite.json"]

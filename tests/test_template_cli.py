@@ -89,6 +89,7 @@ class TestFromPhoto:
             (["--kind", "tee", "--landmarks", "a,b"], 1, "2 landmarks are named"),
             (["--kind", "tee", "--px-per-cm", "-1"], 1, "px_per_cm"),
             ([], 2, "--kind"),
+            (["--kind", "tee", "--px-per-cm", "4", "--size-cm", "70"], 2, "--size-cm"),
         ],
     )
     def test_what_is_wrong_is_told_and_nothing_written(
@@ -107,8 +108,64 @@ class TestFromPhoto:
         assert done.exit_code == 1
         assert "bad.jpg" in done.output
 
+    def test_inputs_are_never_overwritten(self, flat: list[Path], tmp_path: Path) -> None:
+        photo, mask = tmp_path / "flat.png", tmp_path / "mask.png"
+        photo.write_bytes(flat[0].read_bytes())
+        mask.write_bytes(flat[0].with_name("flat-1.mask.png").read_bytes())
+        truth = tmp_path / "truth.json"
+        truth.write_bytes(flat[0].with_suffix(".json").read_bytes())
+        before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+        for out, plot, told in (
+            ("flat.png", [], "*.json"),
+            ("flat.json", ["--plot"], "overwritten"),
+            ("mask.json", ["--plot", "--mask", mask], "overwritten"),
+            ("truth.json", [], "no template file"),
+        ):
+            done = foldrs("from-photo", photo, "--kind", "tee", "--out", tmp_path / out, *plot)
+            assert done.exit_code == 2, done.output
+            assert told in done.output
+            assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+        out = tmp_path / "mine.json"
+        for _ in range(2):  # a template may be made again
+            assert foldrs("from-photo", photo, "--kind", "tee", "--out", out, "--plot").exit_code == 0
+
+    def test_a_kind_may_not_lead_elsewhere(
+        self, flat: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (tmp_path / "here").mkdir()
+        monkeypatch.chdir(tmp_path / "here")
+        done = foldrs("from-photo", flat[0], "--kind", "../v2")
+        assert done.exit_code == 2
+        assert "--kind" in done.output
+        assert [path.name for path in tmp_path.rglob("*")] == ["here"]
+        assert foldrs("from-photo", flat[0], "--kind", "../v2", "--out", "v2.json").exit_code == 0
+
 
 class TestAnnotations:
+    @pytest.mark.parametrize(("command", "content"), [("from-labelme", labelme()), ("from-coco", coco())])
+    def test_annotations_are_never_overwritten(self, tmp_path: Path, command: str, content: Any) -> None:
+        source, other = tmp_path / "marked.json", tmp_path / "other.json"
+        source.write_text(json.dumps(content))
+        other.write_text(json.dumps(content))
+        (tmp_path / "link.json").symlink_to("marked.json")
+        for out in (source, other, tmp_path / "link.json", tmp_path / "mine.txt"):
+            done = foldrs(command, source, "--out", out)
+            assert done.exit_code == 2, done.output
+            assert out.name in done.output
+        assert json.loads(source.read_text()) == json.loads(other.read_text()) == content
+        assert len(list(tmp_path.iterdir())) == 3
+
+    def test_a_label_may_not_lead_elsewhere(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        content = labelme()
+        content["shapes"][0]["label"] = "../v2"
+        (tmp_path / "here").mkdir()
+        monkeypatch.chdir(tmp_path / "here")
+        Path("marked.json").write_text(json.dumps(content))
+        done = foldrs("from-labelme", "marked.json")
+        assert done.exit_code == 1
+        assert "can name no file" in done.output
+        assert not (tmp_path / "v2.json").exists()
+
     @pytest.mark.parametrize(("command", "content"), [("from-labelme", labelme()), ("from-coco", coco())])
     def test_names_and_places_are_kept(self, tmp_path: Path, command: str, content: Any) -> None:
         source, out = tmp_path / "marked.json", tmp_path / "template.json"

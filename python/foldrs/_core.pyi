@@ -147,7 +147,7 @@ class FoldedLayers:
     def distance_to_double_layer(self, points: _Points) -> _Points:
         """Distance of every point from the double layer; 0 within it, inf if there is none."""
     def is_turned(self, arc: _Points) -> NDArray[np.bool_]:
-        """Whether points of the unfolded outline, given by arc length (modulo its length), are on the flap."""
+        """Whether points of the unfolded outline, by arc length (modulo its length), are on the flap."""
 
 def fold_layers(outline: _Points, axis: _Points) -> FoldedLayers:
     """Turn over what hangs on the left of the chords that the axis segment covers (section 2.1.2).

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from foldrs.result import write_whole
+from foldrs.whole_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

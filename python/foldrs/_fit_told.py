@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -27,6 +27,7 @@ class Entry:
     image: Path
     result: FitResult | None = None
     error: BaseException | None = None
+    """Why there is no result, or, beside one, no picture."""
     kept: dict[str, Any] | None = None
     """The JSON form of a result that was there already."""
 
@@ -36,8 +37,9 @@ def tell(
     told: Literal["nothing", "json"] | None,
     timings: bool,
     errors_file: Path | None,
+    name: Callable[[Path], str] | None = None,
 ) -> int:
-    """Print what became of every image, and return how many failed."""
+    """Print what became of every image, by its file's or another name, and return how many failed."""
     failures: list[tuple[Path, BaseException]] = []
     total = kept = 0
     for entry in entries:
@@ -47,9 +49,11 @@ def tell(
             failures.append((entry.image, entry.error))
             click.secho(f"{entry.image}: {reason(entry.error)}", fg="red", err=True)
         if told == "json":
-            click.echo(json.dumps(_json(entry), separators=(",", ":")))
+            named = {} if name is None else {"image": name(entry.image)}
+            click.echo(json.dumps(_json(entry) | named, separators=(",", ":")))
         elif told is None and entry.result is not None:
-            click.echo(_line(entry.image, entry.result))
+            shown = entry.image.name if name is None else name(entry.image)
+            click.echo(_line(shown, entry.result))
             if timings:
                 stages = entry.result.timings.items()
                 click.echo("  " + ", ".join(f"{stage} {seconds:.3f} s" for stage, seconds in stages))
@@ -63,7 +67,7 @@ def tell(
 def _json(entry: Entry) -> dict[str, Any]:
     from foldrs.fit_files import error_entry
 
-    if entry.error is not None:
+    if entry.error is not None and entry.result is None:  # one with a result lacks a picture only
         return dict(error_entry(entry.image, entry.error))
     if entry.kept is not None:
         return {key: value for key, value in entry.kept.items() if key != "made_by"}
@@ -85,11 +89,11 @@ def reason(error: BaseException) -> str:
     return str(error) if isinstance(error, FoldrsError) else f"{type(error).__name__}: {error}"
 
 
-def _line(image: Path, result: FitResult) -> str:
+def _line(image: str, result: FitResult) -> str:
     probability = result.alternatives[0].probability
     pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
     found = f"{result.garment_type}, {_folds_told(result)} p = {probability:.2f}, grasp {pair}"
-    return f"{image.name}: {found}, {result.seconds:.2f} s"
+    return f"{image}: {found}, {result.seconds:.2f} s"
 
 
 def _folds_told(result: FitResult) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from foldrs import _core
 from foldrs import _plot_pens as pens
+from foldrs.landmark import carried
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -238,6 +239,5 @@ def _landmarks_unfolded(result: FitResult) -> dict[str, Points]:
     outline, unfolded = result.template.outline, result.unfolded_outline_image
     if outline.shape != unfolded.shape:
         return {}
-    # The unfolded outline is the template's, laid into the image: their corners correspond.
-    to_image, *_ = np.linalg.lstsq(np.column_stack([outline, np.ones(len(outline))]), unfolded, rcond=None)
-    return {name: np.append(point, 1.0) @ to_image for name, point in result.template.landmarks.items()}
+    # The unfolded outline is the template's, laid into the image piece by piece: their corners correspond.
+    return carried(result.template.landmarks, outline, unfolded)

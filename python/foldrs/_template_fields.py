@@ -30,10 +30,15 @@ def required(data: Mapping[str, object], field: str) -> object:
     return data[field]
 
 
-def parse_word(value: object, field: str) -> str:
-    """Return a text of printable characters that is not blank."""
-    if not isinstance(value, str) or not value.strip() or not value.isprintable():
-        raise field_error(field, f"must be a text that is not empty, not {shown(value)}")
+def parse_word(value: object, field: str, what: str = "") -> str:
+    """Return a text of printable characters that is not blank; `what` says which of the field it is."""
+    must = f"{what} must" if what else "must"
+    if not isinstance(value, str) or not value.strip():
+        raise field_error(field, f"{must} be a text that is not empty, not {shown(value)}")
+    if not value.isprintable():
+        raise field_error(
+            field, f"{must} be of printable characters, without line breaks, not {shown(value)}"
+        )
     return value
 
 
@@ -55,7 +60,10 @@ def parse_landmarks(value: object, field: str) -> dict[str, npt.NDArray[np.float
     """Return ``{name: [x, y]}`` as a dict of (2,) arrays, in the order given."""
     if not isinstance(value, Mapping):
         raise field_error(field, f"must map names to points [x, y], not {shown(value)}")
-    return {parse_word(name, field): parse_point(point, f"{field}.{name}") for name, point in value.items()}
+    return {
+        parse_word(name, field, "the name of a landmark"): parse_point(point, f"{field}.{name}")
+        for name, point in value.items()
+    }
 
 
 def parse_lengths(value: object, field: str) -> dict[str, float]:
@@ -66,7 +74,7 @@ def parse_lengths(value: object, field: str) -> dict[str, float]:
     for name, number in value.items():
         if isinstance(number, bool) or not isinstance(number, Real) or not 0 < float(number) < math.inf:
             raise field_error(f"{field}.{name}", f"must be a positive number, not {shown(number)}")
-        found[parse_word(name, field)] = float(number)
+        found[parse_word(name, field, "the name of a landmark")] = float(number)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import pickle
 import tempfile
@@ -10,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field
 from itertools import islice
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
@@ -107,7 +109,7 @@ def fit_many(
     Parameters
     ----------
     images : iterable of path, image array, mask or (n, 2) points
-        As for :func:`foldrs.fit`, one garment each.
+        As for :func:`foldrs.fit`, one garment each; a single one goes in a list too.
     executor : concurrent.futures.Executor, optional
         Where to run: a process pool, a Dask cluster (``Client(...).get_executor()``), anything that has
         ``submit``. It is not shut down. Default: threads of this process, which share the cores with the Rust
@@ -133,7 +135,12 @@ def fit_many(
     Raises
     ------
     ParameterError
-        `timeout` is not positive, `jobs` is less than 1, or it was given with `executor`.
+        `images` is no iterable or a single path, `timeout` is not positive, `jobs` is less than 1 or was
+        given with `executor`, or an option is out of its range; at the call, as all of these.
+    TemplateError
+        A template cannot be read.
+    TypeError
+        There is no such option.
 
     Warns
     -----
@@ -148,6 +155,8 @@ def fit_many(
     ['towel']
     """
     check_batch(executor, jobs, timeout)
+    check_images(images)
+    task = FitTask(_checked(options))
     names: dict[int, str] = {}
 
     def named() -> Iterator[Source]:
@@ -155,7 +164,6 @@ def fit_many(
             names[index] = Path(source).name if isinstance(source, (str, os.PathLike)) else ""
             yield source
 
-    task = FitTask(options)
     outcomes = _as_ready(task, named(), executor, jobs, timeout, send_files, held_back=_HELD_BACK)
     ordered = in_order((outcome.index, outcome) for outcome in outcomes)
     return (_answer(outcome, names.pop(outcome.index)) for outcome in ordered)
@@ -208,16 +216,39 @@ def in_order(numbered: Iterable[tuple[int, T]]) -> Iterator[T]:
             turn += 1
 
 
+def check_images(images: object) -> None:
+    """Raise ParameterError unless these are several images: a path would be taken for its letters."""
+    if isinstance(images, (str, bytes, os.PathLike)):
+        raise ParameterError(f"images must be a list of them, not one path: pass [{images!r}]")
+    if not isinstance(images, Iterable):
+        raise ParameterError(f"images must be a list of them, not {type(images).__name__}")
+
+
+def _checked(options: dict[str, Any]) -> dict[str, Any]:
+    """Return options of :func:`foldrs.fit` with templates read, or raise what every image would fail by."""
+    from foldrs import pipeline
+
+    inspect.signature(pipeline.fit).bind(None, **options)  # a TypeError for an option that it does not have
+    pipeline.check_options(**options)
+    given, kind = options.get("templates"), options.get("garment_type")
+    chosen = pipeline.choose_templates(given, kind, options.get("method", "best"))
+    return options if given is None else {**options, "templates": chosen}
+
+
 def check_batch(executor: Executor | None, jobs: int | None, timeout: float | None) -> None:
     """Raise ParameterError unless images can be fitted so."""
-    if jobs is not None and not 1 <= jobs <= _MOST_JOBS:
-        raise ParameterError(f"jobs must be a whole number from 1 to {_MOST_JOBS}, not {jobs}")
-    if timeout is not None and not timeout > 0:
-        raise ParameterError(f"timeout must be a positive number of seconds, not {timeout}")
+    if jobs is not None and not (_is_number(jobs, Integral) and 1 <= jobs <= _MOST_JOBS):
+        raise ParameterError(f"jobs must be a whole number from 1 to {_MOST_JOBS}, not {jobs!r}")
+    if timeout is not None and not (_is_number(timeout, Real) and timeout > 0):
+        raise ParameterError(f"timeout must be a positive number of seconds, not {timeout!r}")
     if executor is not None and jobs is not None:
         raise ParameterError(
             "jobs goes without an executor, which has its own number of workers: leave one out"
         )
+
+
+def _is_number(value: object, kind: type[Real] | type[Integral]) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
 
 
 def _run(

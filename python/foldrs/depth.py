@@ -21,7 +21,7 @@ from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.errors import DepthError, SeveralGarmentsError
-from foldrs.image import Mask, can_be_decoded
+from foldrs.image import Mask, can_be_decoded, imdecode
 from foldrs.parameters import DepthParameters, OutlineParameters
 from foldrs.segmentation.masks import largest_part, resized, single_object, tidied
 
@@ -59,13 +59,17 @@ class Heights:
         return TablePlane(inverse(camera.matrix @ columns), camera)
 
 
-def read_depth(source: str | os.PathLike[str] | npt.ArrayLike) -> FloatImage:
+def read_depth(
+    source: str | os.PathLike[str] | npt.ArrayLike, max_pixels: int | None = OutlineParameters.max_pixels
+) -> FloatImage:
     """Read a depth image.
 
     Parameters
     ----------
     source : path or (h, w) array_like
         A PNG or TIFF file, ``.npy``, or an array. Whole numbers are millimetres, floats metres.
+    max_pixels : int, optional
+        Most pixels that a PNG or TIFF file may have, as photographs by default; None: any number.
 
     Returns
     -------
@@ -75,10 +79,12 @@ def read_depth(source: str | os.PathLike[str] | npt.ArrayLike) -> FloatImage:
     Raises
     ------
     DepthError
-        There is no such file, or no depth image in it.
+        There is no such file, it cannot be read, or there is no depth image in it.
+    ImageTooLargeError
+        The header of a PNG or TIFF file tells of more pixels than allowed; it is not decoded then.
     """
     if isinstance(source, str | os.PathLike):
-        values = _file_content(Path(source))
+        values = _file_content(Path(source), max_pixels)
         named = f"{source}: "
     else:
         values, named = np.asarray(source), ""
@@ -171,20 +177,29 @@ def resized_heights(above: FloatImage, shape: tuple[int, int]) -> FloatImage:
     return np.asarray(cv2.resize(above, shape[::-1], interpolation=cv2.INTER_LINEAR), dtype=np.float32)
 
 
-def _file_content(path: Path) -> npt.NDArray[Any]:
-    if not path.is_file():
-        raise DepthError(f"{path}: there is no such depth image.")
-    if path.suffix.lower() == ".npy":
-        try:
-            return np.asarray(np.load(path, allow_pickle=False))
-        except (ValueError, EOFError, OSError) as error:
-            raise DepthError(f"{path}: is no NumPy array ({error}).") from None
-    content = path.read_bytes()
-    readable = can_be_decoded(content, OutlineParameters.max_pixels, str(path))
-    decoded = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if readable else None
+def _file_content(path: Path, max_pixels: int | None) -> npt.NDArray[Any]:
+    try:
+        if not path.is_file():
+            raise DepthError(f"{path}: there is no such depth image.")
+        if path.suffix.lower() == ".npy":
+            return _numpy_content(path)
+        content = path.read_bytes()
+    except OSError as error:
+        raise DepthError(
+            f"{path}: cannot be read ({error.strerror or error}): check the name and that you may read it."
+        ) from error
+    readable = can_be_decoded(content, max_pixels, str(path))
+    decoded = imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if readable else None
     if decoded is None:
         raise DepthError(f"{path}: is no image: give a PNG or TIFF of 16 bits or floats, or a .npy file.")
     return np.asarray(decoded)
+
+
+def _numpy_content(path: Path) -> npt.NDArray[Any]:
+    try:
+        return np.asarray(np.load(path, allow_pickle=False))
+    except (ValueError, EOFError) as error:
+        raise DepthError(f"{path}: is no NumPy array ({error}).") from None
 
 
 class _InverseDepth:

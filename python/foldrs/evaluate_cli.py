@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from foldrs._camera_options import reference_of, reference_options
-from foldrs._options import folds_option, px_per_cm_option, report_option, template_option
+from foldrs._options import (
+    about,
+    check_marker,
+    folds_option,
+    make_folder,
+    px_per_cm_option,
+    report_option,
+    same_file,
+    template_option,
+)
 from foldrs.errors import FoldrsError
 
 if TYPE_CHECKING:
@@ -24,8 +33,8 @@ if TYPE_CHECKING:
 
 _PROTOCOLS = ("synthetic", "own", "generic", "open")  # as in foldrs.evaluation, which loads the whole method
 
-_WIDTH = 110
-"""Columns of text where no terminal says how many there are: the tables' own width."""
+_WIDTH = 160
+"""Columns of text where no terminal says how many there are: the widest table has room."""
 
 
 @click.command("evaluate")
@@ -101,10 +110,13 @@ def evaluate_command(
     from foldrs.pipeline import check_folds, check_scale, choose_templates
 
     found: Scenes
+    check_marker(marker_cm, marker_family)
     try:
-        check_scale(px_per_cm)
+        with about("--px-per-cm"):
+            check_scale(px_per_cm)
         if folds != "given":
-            check_folds(folds, method)
+            with about("--folds"):
+                check_folds(folds, method)
         chosen = choose_templates(templates or None, None, method)
         reference = reference_of(marker_cm, marker_family, a4)
         if search and (method != "best" or protocol == "open" or folds not in ("given", 1)):
@@ -118,9 +130,11 @@ def evaluate_command(
             found = load_scenes(scenes)
     except FoldrsError as error:
         raise click.ClickException(str(error)) from error
-    for folder in (out, report and report.parent):
-        if folder is not None:
-            folder.mkdir(parents=True, exist_ok=True)
+    if out is not None:
+        _check_spared(out, scenes, found)
+        make_folder(out, "--out")
+    if report is not None:
+        make_folder(report.parent, "--report")
 
     evaluation = Evaluation(
         protocol,
@@ -156,6 +170,24 @@ def evaluate_command(
             options |= {"count": count, "seed": seed}
         write_csv(rows, out / "evaluation.csv")
         write_json(rows, options, out / "evaluation.json")
+
+
+def _check_spared(out: Path, folder: Path | None, scenes: Scenes) -> None:
+    """Refuse predictions that would take the place of the truth, or of another file not made here."""
+    from foldrs.fit_files import may_replace
+
+    if folder is not None and same_file(out, folder):
+        raise click.UsageError(
+            f"--out {out} is the folder of the scenes, whose truth the predictions would overwrite: use "
+            "another folder"
+        )
+    for scene in scenes:
+        path = out / f"{(scene[0] if isinstance(scene, tuple) else scene).name}.json"
+        if not may_replace(path):
+            raise click.UsageError(
+                f"{path} is no prediction of foldrs and would be overwritten: move it, or use another folder "
+                "for --out"
+            )
 
 
 def _run_with_page(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,7 +13,17 @@ import click
 
 from foldrs._camera_options import camera_options, known_of_table
 from foldrs._fit_told import Entry, reason, tell
-from foldrs._options import folds_option, px_per_cm_option, report_option, rerun_option, template_option
+from foldrs._options import (
+    about,
+    check_pose,
+    check_table_options,
+    folds_option,
+    make_folder,
+    px_per_cm_option,
+    report_option,
+    rerun_option,
+    template_option,
+)
 from foldrs.errors import FoldrsError, OutputError
 
 if TYPE_CHECKING:
@@ -24,8 +34,6 @@ if TYPE_CHECKING:
     from foldrs.fit_outputs import Show
     from foldrs.joint_fit import Folds
     from foldrs.result import FitResult
-
-_STAGES_SUFFIX = ".stages.png"
 
 _CONNECTING = "20s"
 """How long a Dask scheduler is waited for."""
@@ -141,16 +149,20 @@ def fit_command(
         raise click.UsageError("--report and --rerun show what is fitted now: leave --resume out")
     if dask is not None and jobs is not None:
         raise click.UsageError("--jobs goes without --dask: the cluster has its own number of workers")
+    _check_timeout(timeout)
+    check_table_options(px_per_cm, placing)
     try:
         options = _fit_options(templates, garment_type, px_per_cm, folds, method, mask, max_pixels)
         options |= known_of_table(placing, len(images))
-        _check_timeout(timeout)
+        check_pose(options)
+        pictures = _Pictures(plot, _published_options(options, bool(templates), garment_type, plot_stages))
         destination = None
         if out is not None:
             files = (mask, *(path for path in placing.values() if isinstance(path, Path)))
             read = (*templates, *(path for path in files if path is not None))
-            destination = _destination(out, images, options, plot, plot_stages, keep_folders)
+            destination = _destination(out, images, options, pictures, keep_folders)
             destination.check(read)
+            make_folder(out, "--out")
             destination.prepare()
         outputs = open_outputs(images, report, rerun)
     except OutputError as error:
@@ -158,10 +170,12 @@ def fit_command(
     except (FoldrsError, OSError) as error:
         raise click.ClickException(str(error)) from error
 
-    run = _Run(images, destination, options, jobs, timeout)
+    run = _Run(images, destination, pictures, options, jobs, timeout)
     with _cluster(dask) if dask is not None else nullcontext() as executor, outputs as show:
         entries = _shown(run.entries(resume, executor, quiet=told is not None), show)
-        failed = tell(entries, told, timings, None if destination is None else destination.errors)
+        errors = None if destination is None else destination.errors
+        told_by = destination.told if destination is not None and keep_folders else None
+        failed = tell(entries, told, timings, errors, told_by)
     if failed:
         sys.exit(1)
 
@@ -180,8 +194,10 @@ def _fit_options(
     from foldrs.parameters import Parameters
     from foldrs.pipeline import check_folds, check_scale, choose_templates
 
-    check_scale(px_per_cm)
-    check_folds(folds, method)
+    with about("--px-per-cm"):
+        check_scale(px_per_cm)
+    with about("--folds"):
+        check_folds(folds, method)
     parameters = Parameters()
     if max_pixels is not None:
         parameters = replace(parameters, outline=replace(parameters.outline, max_pixels=max_pixels))
@@ -200,30 +216,66 @@ def _check_timeout(timeout: float | None) -> None:
         raise click.UsageError(f"--timeout must be a positive number of seconds, not {timeout}")
 
 
+def _published_options(
+    options: dict[str, Any], own_templates: bool, garment_type: str | None, wanted: bool
+) -> dict[str, Any] | None:
+    """Return the options by which the published method explains what another one did; None if unwanted."""
+    from foldrs.pipeline import choose_templates
+
+    if not wanted:
+        return None
+    templates = options["templates"] if own_templates else None
+    return options | {"templates": choose_templates(templates, garment_type, "paper")}
+
+
 def _destination(
-    out: Path,
-    images: Sequence[Path],
-    options: dict[str, Any],
-    plot: bool,
-    plot_stages: bool,
-    keep_folders: bool,
+    out: Path, images: Sequence[Path], options: dict[str, Any], pictures: _Pictures, keep_folders: bool
 ) -> Destination:
     from foldrs.fit_files import Destination, fingerprint
 
-    pictures = ((".png",) if plot else ()) + ((_STAGES_SUFFIX,) if plot_stages else ())
+    draw = pictures.draw if pictures.plot else None
+    return Destination(out, images, fingerprint(options), pictures.suffixes, draw, keep_folders)
 
-    def draw(result: FitResult, image: Path, base: Path) -> None:
+
+@dataclass(frozen=True)
+class _Pictures:
+    """Draws the pictures of results; one stands without that of the stages, whose failure is told later."""
+
+    plot: bool
+    """Whether any is drawn."""
+    published: dict[str, Any] | None
+    """Options of the published method, whose stages are drawn as well; None if they are not."""
+    failed: dict[Path, Exception] = field(default_factory=dict)
+    """Why the stages of an image could not be drawn."""
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Ends of the names of all pictures of a result."""
+        from foldrs.fit_files import STAGES
+
+        return ((".png",) if self.plot else ()) + ((STAGES,) if self.published is not None else ())
+
+    def draw(self, result: FitResult, image: Path, base: Path) -> None:
+        """Draw the pictures of a result; `base` is the path of its files without a suffix."""
+        from foldrs.fit_files import STAGES
         from foldrs.matching_details import matching_details
         from foldrs.plot import save_picture
 
         details = matching_details(result)
         save_picture(result, image, base.with_name(f"{base.name}.png"), details=details)
-        if plot_stages:
-            from foldrs.stages_plot import save_stages
+        if self.published is not None:
+            self._draw_stages(result, image, base.with_name(f"{base.name}{STAGES}"), self.published)
 
-            save_stages(_published(result, options), image, base.with_name(f"{base.name}{_STAGES_SUFFIX}"))
+    def _draw_stages(self, result: FitResult, image: Path, path: Path, published: dict[str, Any]) -> None:
+        from foldrs.stages_plot import save_stages
 
-    return Destination(out, images, fingerprint(options), pictures, draw if plot else None, keep_folders)
+        try:
+            save_stages(_published(result, published), image, path)
+        except Exception as error:
+            path.unlink(missing_ok=True)  # it would be that of an earlier result
+            failure = FoldrsError(f"{path} could not be drawn ({reason(error)}), but the result is written")
+            failure.__cause__ = error
+            self.failed[image] = failure
 
 
 def _published(result: FitResult, options: dict[str, Any]) -> FitResult:
@@ -266,6 +318,7 @@ class _Run:
 
     images: tuple[Path, ...]
     destination: Destination | None
+    pictures: _Pictures
     options: dict[str, Any]
     jobs: int | None
     timeout: float | None
@@ -302,23 +355,29 @@ class _Run:
         """Write what became of an image, at once, and warn of what is doubtful."""
         for doubt in outcome.doubts:
             click.secho(f"{image}: warning: {doubt}", fg="yellow", err=True)
-        answer: FitResult | BaseException = outcome.answer
-        if self.destination is not None and not isinstance(answer, BaseException):
+        result: FitResult | None = None
+        error: BaseException | None = None
+        if isinstance(outcome.answer, BaseException):
+            error = outcome.answer
+        else:
+            result = outcome.answer
+        if self.destination is not None and result is not None:
             try:
-                self.destination.save(image, answer)
-            except Exception as error:
-                answer = error
-        if not isinstance(answer, BaseException):
-            return Entry(image, result=answer)
-        if self.destination is not None:
-            self.destination.note_error(image, answer)
-        return Entry(image, error=answer)
+                self.destination.save(image, result)
+                error = self.pictures.failed.pop(image, None)
+            except Exception as raised:
+                result, error = None, raised
+        if self.destination is not None and error is not None:
+            self.destination.note_error(image, error)
+        return Entry(image, result=result, error=error)
 
 
 def _shown(entries: Iterable[Entry], show: Show) -> Iterator[Entry]:
     """Add every image to the page and the recording, if there are any."""
     for entry in entries:
-        show(entry.image, entry.result, "" if entry.error is None else reason(entry.error))
+        # A result that lacks a picture beside its file is shown as any other.
+        failed = entry.error if entry.result is None else None
+        show(entry.image, entry.result, "" if failed is None else reason(failed))
         yield entry
 
 

@@ -7,6 +7,8 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from foldrs._options import make_folder
+
 if TYPE_CHECKING:
     from foldrs.report import Report
     from foldrs.rerun_recording import RerunRecording
@@ -29,13 +31,13 @@ def open_outputs(
     ------
     MissingExtraError
         If a recording is asked for and rerun-sdk is not installed.
-    OSError
+    click.ClickException
         If a folder cannot be made.
     """
     opened: list[Report | RerunRecording] = []
-    for path in (report, rerun):
+    for option, path in (("--report", report), ("--rerun", rerun)):
         if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(path.parent, option)
     if report is not None:
         from foldrs.report import Report
 

@@ -5,9 +5,12 @@ A photograph is (h, w, 3) uint8 RGB, a mask (h, w) bool with True for cloth; bot
 
 from __future__ import annotations
 
+import errno
 import io
 import os
+import re
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -30,18 +33,29 @@ _ROWS = 256
 
 _JPEG_MAGIC = b"\xff\xd8"
 _PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
-_PNG_FRAME = 12
-"""Bytes of a PNG chunk besides its content: length, name, checksum."""
+_RIFF_MAGIC = b"RIFF"
+_PNG_FRAME, _PNG_CHECKSUM = 12, 4
+"""Bytes of a PNG chunk besides its content (length, name, checksum), and of the last of these."""
+_RIFF_HEADER = 12
+_TIFF_MAGICS = (b"II*\0", b"MM\0*")
+_ORIENTATION_TAG, _SAMPLE_FORMAT_TAG = 0x0112, 0x0153
+_FLOATS = 3
+"""Sample format of floating-point numbers."""
+
+_PILLOW_ARRAYS = ("L", "RGB", "RGBA", "I", "I;16", "I;16L", "I;16B", "I;16N", "F")
+"""Modes of Pillow's images whose arrays are grey, RGB or RGBA as they are."""
+
+_URL = re.compile(r"(https?|ftp|file|s3|gs):[/\\]|data:", re.IGNORECASE)
 
 
-def read_image(path: str | Path, max_pixels: int | None = None) -> RgbImage:
+def read_image(path: str | os.PathLike[str], max_pixels: int | None = None) -> RgbImage:
     """Read a photograph: JPEG, PNG, WebP or TIFF, 8 or 16 bit, grey, RGB or RGBA.
 
     The orientation noted by the camera (EXIF) is honoured; transparent parts are laid on white.
 
     Parameters
     ----------
-    path : str or Path
+    path : path
         The file.
     max_pixels : int, optional
         Most pixels it may have; any number without it.
@@ -54,13 +68,13 @@ def read_image(path: str | Path, max_pixels: int | None = None) -> RgbImage:
     Raises
     ------
     ImageNotFoundError
-        There is no such file, or it is a folder.
+        There is no such file, there can be none of that name, or it is a folder.
     ImageTooLargeError
         Its header tells of more pixels than allowed; it is not decoded then.
     NotAnImageError
-        The file is no image OpenCV can decode.
+        The file cannot be read, for instance for want of permission, or is no image OpenCV can decode.
     """
-    return as_rgb(_decode(Path(path), max_pixels), max_pixels)
+    return as_rgb(_decode(path, max_pixels), max_pixels)
 
 
 def read_any(source: Source, max_pixels: int | None = None) -> RgbImage | None:
@@ -74,7 +88,7 @@ def read_any(source: Source, max_pixels: int | None = None) -> RgbImage | None:
     if source is None:
         return None
     if isinstance(source, (str, os.PathLike)):
-        return read_image(Path(source), max_pixels)
+        return read_image(source, max_pixels)
     return as_rgb(source, max_pixels)
 
 
@@ -89,7 +103,7 @@ def read_if_any(source: Source) -> RgbImage | None:
         return None
 
 
-def read_mask(path: str | Path, max_pixels: int | None = None) -> Mask:
+def read_mask(path: str | os.PathLike[str], max_pixels: int | None = None) -> Mask:
     """Read a mask of the cloth from an image file; see :func:`as_mask` for what counts as cloth.
 
     Raises
@@ -97,7 +111,7 @@ def read_mask(path: str | Path, max_pixels: int | None = None) -> Mask:
     ImageNotFoundError, ImageTooLargeError, NotAnImageError
         As :func:`read_image`.
     """
-    return as_mask(_decode(Path(path), max_pixels))
+    return as_mask(_decode(path, max_pixels))
 
 
 def as_rgb(array: npt.ArrayLike, max_pixels: int | None = None) -> RgbImage:
@@ -105,10 +119,10 @@ def as_rgb(array: npt.ArrayLike, max_pixels: int | None = None) -> RgbImage:
 
     Parameters
     ----------
-    array : (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) array_like
-        Grey, RGB or RGBA, in any memory layout. Booleans are black and white. Whole numbers span 0..255,
-        or 0..65535 if any is above 255; floats span 0..1, or 0..255 if any is above 1. Transparent
-        parts are laid on white.
+    array : (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) array_like, or Pillow image
+        Grey, RGB or RGBA, in any memory layout; a Pillow image of any mode is taken as its file would be.
+        Booleans are black and white. Whole numbers span 0..255, or 0..65535 if any is above 255; floats
+        span 0..1, or 0..255 if any is above 1. Transparent parts are laid on white.
     max_pixels : int, optional
         Most pixels it may have; any number without it.
 
@@ -175,7 +189,7 @@ def as_mask(array: npt.ArrayLike) -> Mask:
 
 def _checked(array: npt.ArrayLike) -> AnyArray:
     """`array` as an array of an image's shape, with finite numbers that are not negative."""
-    values = np.asarray(array)
+    values = _pillow_array(array) if is_pillow(array) else np.asarray(array)
     if values.dtype.kind not in "buif":
         raise NotAnImageError(
             f"An image holds real numbers, this array holds {values.dtype}: pass whole numbers or floats."
@@ -183,7 +197,7 @@ def _checked(array: npt.ArrayLike) -> AnyArray:
     if values.ndim not in (2, 3) or (values.ndim == 3 and values.shape[2] not in (1, 3, 4)):
         raise NotAnImageError(
             f"An image has the shape (h, w), (h, w, 1), (h, w, 3) or (h, w, 4), this array {values.shape}: "
-            "put the channels last and pass one image at a time."
+            "put the channels last and pass one image at a time; an outline has the shape (n, 2)."
         )
     if values.size == 0:
         raise NotAnImageError(f"The image array is empty, its shape is {values.shape}: pass one with pixels.")
@@ -208,29 +222,119 @@ def _to_unit(values: AnyArray, largest: float) -> npt.NDArray[np.float32]:
     )
 
 
-def _decode(path: Path, max_pixels: int | None) -> AnyArray:
+def is_pillow(source: object) -> bool:
+    """Whether something is an image of Pillow's, which need not be installed."""
+    return any((kind.__module__, kind.__name__) == ("PIL.Image", "Image") for kind in type(source).__mro__)
+
+
+def _pillow_array(image: Any) -> AnyArray:
+    """Turn an image of Pillow's into what reading its file gives: upright, grey, RGB or RGBA."""
+    from PIL import ImageOps
+
+    try:
+        upright = ImageOps.exif_transpose(image)
+        if upright.mode in ("LA", "PA") or (upright.mode in ("P", "RGB") and "transparency" in upright.info):
+            upright = upright.convert("RGBA")
+        elif upright.mode == "1":
+            upright = upright.convert("L")
+        elif upright.mode not in _PILLOW_ARRAYS:
+            upright = upright.convert("RGB")
+    except (OSError, SyntaxError, ValueError) as error:  # a file cut short, colours Pillow cannot convert
+        raise NotAnImageError(
+            f"Pillow cannot read this {image.mode} image ({error}): pass another."
+        ) from error
+    return np.asarray(upright)
+
+
+def _decode(path: str | os.PathLike[str], max_pixels: int | None) -> AnyArray:
     """Read the file's pixels at their own depth: RGB, with alpha where there is any."""
-    if not path.exists():
-        raise ImageNotFoundError(f"There is no file {path}: check the name.")
-    if path.is_dir():
-        raise ImageNotFoundError(f"{path} is a folder: pass an image file.")
+    _check_name(os.fspath(path))
+    path = Path(path)
     # Decoding from memory works for every file name, OpenCV's own file access does not on all systems.
-    content = path.read_bytes()
+    content = _content(path)
     data = np.frombuffer(content, dtype=np.uint8)
     readable = can_be_decoded(content, max_pixels, str(path))
-    bgr = _imdecode(data, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH) if readable else None
+    if content.startswith(_TIFF_MAGICS) and _first_short(content, _SAMPLE_FORMAT_TAG) == _FLOATS:
+        raise NotAnImageError(
+            f"{path} is a floating-point TIFF, which is not read: save it with whole numbers of 8 or 16 bits."
+        )
+    # Alpha comes with "unchanged" only, which leaves the orientation out: then the picture is turned here.
+    turned_here = content.startswith((_PNG_MAGIC, _RIFF_MAGIC))
+    flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH | (cv2.IMREAD_IGNORE_ORIENTATION if turned_here else 0)
+    bgr = imdecode(data, flags) if readable else None
     if bgr is None:
         raise NotAnImageError(f"{path} cannot be read as an image: pass a JPEG, PNG, WebP or TIFF file.")
     colour = bgr[:, :, ::-1]
-    if data[:2].tobytes() == _JPEG_MAGIC:
+    if content.startswith(_JPEG_MAGIC):
         return colour
-    # OpenCV gives alpha only with "unchanged", which leaves the EXIF orientation out: where the two
-    # readings differ the picture was turned, and its alpha, which would have to turn too, is let go.
-    unchanged = _imdecode(data, cv2.IMREAD_UNCHANGED)
-    has_alpha = unchanged is not None and unchanged.ndim == 3 and unchanged.shape[2] == 4
-    if unchanged is not None and has_alpha and np.array_equal(unchanged[:, :, :3], bgr):
-        return np.dstack([colour, unchanged[:, :, 3]])
-    return colour
+    unchanged = imdecode(data, cv2.IMREAD_UNCHANGED)
+    if unchanged is not None and unchanged.shape == (*colour.shape[:2], 4):
+        colour = np.dstack([colour, unchanged[:, :, 3]])
+    return _turned(colour, _orientation(content)) if turned_here else colour
+
+
+def _check_name(text: str) -> None:
+    """Raise ImageNotFoundError for what names no file at all; the text is told as it was given."""
+    if not text:
+        raise ImageNotFoundError("The path is empty: pass the name of an image file.")
+    if _URL.match(text):
+        raise ImageNotFoundError(f"{text} is a URL, which is not read: download the image and pass its file.")
+
+
+def _content(path: Path) -> bytes:
+    """Read a file; what the system has against it becomes an error of our own."""
+    try:
+        is_folder = path.is_dir()
+        content = b"" if is_folder else path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise ImageNotFoundError(f"There is no file {path}: check the name.") from None
+    except ValueError as error:
+        raise ImageNotFoundError(f"No file can be named {str(path)!r} ({error}): check the name.") from None
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise ImageNotFoundError(f"No file can be named {path} (too long): check the name.") from None
+        raise NotAnImageError(
+            f"{path} cannot be read ({error.strerror}): check that you may read it and its disk works."
+        ) from error
+    if is_folder:
+        raise ImageNotFoundError(f"{path} is a folder: pass an image file.")
+    return content
+
+
+def _turned(stored: AnyArray, orientation: int) -> AnyArray:
+    """Turn a picture as it is stored the way it is meant to be seen, by its EXIF orientation."""
+    upright = stored.swapaxes(0, 1) if orientation in (5, 6, 7, 8) else stored
+    if orientation in (2, 3, 6, 7):
+        upright = upright[:, ::-1]
+    return upright[::-1] if orientation in (3, 4, 7, 8) else upright
+
+
+def _orientation(content: bytes) -> int:
+    """EXIF orientation of a PNG or WebP file, 1 to 8; 1, which turns nothing, where it tells none."""
+    chunks = _png_chunks(content) if content.startswith(_PNG_MAGIC) else _riff_chunks(content)
+    exif = next((place for name, *place in chunks if name in (b"eXIf", b"EXIF")), None)
+    if exif is None:
+        return 1
+    orientation = _first_short(content[exif[0] : exif[1]].removeprefix(b"Exif\0\0"), _ORIENTATION_TAG)
+    return orientation if orientation is not None and 1 <= orientation <= 8 else 1
+
+
+def _first_short(tagged: bytes, wanted: int) -> int | None:
+    """First number, of 16 bits, of a tag in a TIFF file, or an EXIF block, which has the form of one."""
+    order = "<" if tagged.startswith(_TIFF_MAGICS[0]) else ">"
+    if not tagged.startswith(_TIFF_MAGICS):
+        return None
+    try:
+        (start,) = struct.unpack_from(f"{order}I", tagged, 4)
+        (count,) = struct.unpack_from(f"{order}H", tagged, start)
+        for entry in range(start + 2, start + 2 + 12 * count, 12):
+            tag, _, values, place = struct.unpack_from(f"{order}HHII", tagged, entry)
+            if tag == wanted:
+                # As many as four bytes hold stand in the entry itself.
+                return int(struct.unpack_from(f"{order}H", tagged, place if values > 2 else entry + 8)[0])
+    except struct.error:  # cut short
+        pass
+    return None
 
 
 def can_be_decoded(content: bytes, max_pixels: int | None, what: str) -> bool:
@@ -264,13 +368,28 @@ def _png_is_whole(content: bytes) -> bool:
     """
     if not content.startswith(_PNG_MAGIC):
         return True
+    return all(end + _PNG_CHECKSUM <= len(content) for _, _, end in _png_chunks(content))
+
+
+def _png_chunks(content: bytes) -> Iterator[tuple[bytes, int, int]]:
+    """Name of every chunk of a PNG file, and where its content begins and ends."""
     place = len(_PNG_MAGIC)
     while place + _PNG_FRAME <= len(content):
         length, name = struct.unpack_from(">I4s", content, place)
+        start = place + _PNG_FRAME - _PNG_CHECKSUM
+        yield name, start, start + length
         place += length + _PNG_FRAME
         if name == b"IEND":
-            break
-    return place <= len(content)
+            return
+
+
+def _riff_chunks(content: bytes) -> Iterator[tuple[bytes, int, int]]:
+    """Name of every chunk of a WebP file, and where its content begins and ends."""
+    place = _RIFF_HEADER
+    while place + 8 <= len(content):
+        name, length = struct.unpack_from("<4sI", content, place)
+        yield name, place + 8, place + 8 + length
+        place += 8 + length + length % 2  # padded to an even number of bytes
 
 
 def _check_size(width: int, height: int, max_pixels: int | None, what: str) -> None:
@@ -282,8 +401,8 @@ def _check_size(width: int, height: int, max_pixels: int | None, what: str) -> N
         )
 
 
-def _imdecode(data: npt.NDArray[np.uint8], flags: int) -> AnyArray | None:
-    """Decode an image file held in memory; None where it is none."""
+def imdecode(data: npt.NDArray[np.uint8], flags: int) -> AnyArray | None:
+    """Decode an image file held in memory, as ``cv2.imdecode`` does; None where OpenCV cannot."""
     if data.size == 0:
         return None
     try:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -24,7 +23,7 @@ from .errors import (
     NoGarmentError,
     OutlineError,
 )
-from .image import Mask, RgbImage, as_mask, as_rgb, read_image, read_mask
+from .image import Mask, RgbImage, as_mask, as_rgb, is_pillow, read_image, read_mask
 from .parameters import OutlineParameters
 from .segmentation import segment
 from .segmentation.masks import disc, refuse_like_sizes
@@ -67,7 +66,7 @@ def find_outline(
     ----------
     source : path or array_like
         A file is a photograph. An array of shape (h, w) and type bool is a mask, one of numbers and shape
-        (n, 2) or (n, 1, 2) is an outline, everything else a photograph as an array.
+        (n, 2) or (n, 1, 2) is an outline, everything else, any image of Pillow's too, a photograph.
     mask : path or array_like, optional
         The garment's pixels in the photograph, of its size; no segmentation then.
     parameters : OutlineParameters, optional
@@ -101,7 +100,9 @@ def find_outline(
     """
     p = OutlineParameters() if parameters is None else parameters
     if isinstance(source, str | os.PathLike):
-        return _outline_in_photograph(read_image(Path(source), p.max_pixels), mask, p)
+        return _outline_in_photograph(read_image(source, p.max_pixels), mask, p)
+    if is_pillow(source):
+        return _outline_in_photograph(as_rgb(source, p.max_pixels), mask, p)
     array = _as_array(source)
     is_mask = array.dtype == np.bool_ and array.ndim == 2
     is_outline = not is_mask and _has_outline_shape(array)
@@ -110,24 +111,44 @@ def find_outline(
         raise OutlineError(f"A mask goes with a photograph, but the source is {given}: leave one out.")
     if is_mask:
         return OutlineInImage(outline_of_mask(array, p), mask=as_mask(array))
+    if not is_mask and not is_outline:
+        _refuse_points_of_other_shape(array)
     if is_outline:
         return OutlineInImage(simple_outline(as_outline(array)))
     return _outline_in_photograph(as_rgb(array, p.max_pixels), mask, p)
 
 
-def as_photograph(source: str | os.PathLike[str] | npt.ArrayLike) -> RgbImage | None:
-    """Read the photograph that `source` is, as :func:`find_outline` takes it; None of a mask or points.
+def as_photograph(
+    source: str | os.PathLike[str] | npt.ArrayLike, max_pixels: int | None = None
+) -> RgbImage | None:
+    """Read the photograph that `source` is, as :func:`find_outline` takes it.
+
+    Parameters
+    ----------
+    source : path or array_like
+        As :func:`find_outline` takes it.
+    max_pixels : int, optional
+        Most pixels it may have; any number without it.
+
+    Returns
+    -------
+    (h, w, 3) uint8 or None
+        RGB; None if `source` is a mask or points.
 
     Raises
     ------
+    ImageTooLargeError
+        It has more pixels than allowed; a file is not decoded then.
     ImageNotFoundError, NotAnImageError, InvalidOutlineError
         As :func:`find_outline`.
     """
     if isinstance(source, str | os.PathLike):
-        return read_image(Path(source))
+        return read_image(source, max_pixels)
+    if is_pillow(source):
+        return as_rgb(source, max_pixels)
     array = _as_array(source)
     is_mask = array.dtype == np.bool_ and array.ndim == 2
-    return None if is_mask or _has_outline_shape(array) else as_rgb(array)
+    return None if is_mask or _has_outline_shape(array) else as_rgb(array, max_pixels)
 
 
 def as_outline(points: npt.ArrayLike) -> Outline:
@@ -229,16 +250,26 @@ def _outline_in_photograph(
 ) -> OutlineInImage:
     """Take the outline from the given mask, or else from a segmentation."""
     if mask is None:
+        _refuse_mask_as_photograph(rgb)
         cloth = segment(rgb, parameters)
     else:
         is_file = isinstance(mask, str | os.PathLike)
-        cloth = read_mask(Path(mask), parameters.max_pixels) if is_file else as_mask(mask)  # type: ignore[arg-type]
+        cloth = read_mask(mask, parameters.max_pixels) if is_file else as_mask(mask)  # type: ignore[arg-type]
         if cloth.shape != rgb.shape[:2]:
             raise OutlineError(
                 f"The mask is {cloth.shape[1]} x {cloth.shape[0]} pixels, the photograph "
                 f"{rgb.shape[1]} x {rgb.shape[0]}: pass a mask of the photograph's size."
             )
     return OutlineInImage(outline_of_mask(cloth, parameters), rgb=rgb, mask=cloth)
+
+
+def _refuse_mask_as_photograph(rgb: RgbImage) -> None:
+    """Refuse a mask of 0 and 1, which is black to the eye, and to the segmentation."""
+    if rgb.max() == 1:
+        raise NoGarmentError(
+            "The picture is black, it holds only 0 and 1 (of 255): to pass a mask as the source make it an "
+            "array of booleans, or of 0 and 255."
+        )
 
 
 def _check_border(steps: npt.NDArray[Any], shape: tuple[int, ...], parameters: OutlineParameters) -> None:
@@ -260,6 +291,15 @@ def _check_border(steps: npt.NDArray[Any], shape: tuple[int, ...], parameters: O
 def _has_outline_shape(array: npt.NDArray[Any]) -> bool:
     """Whether the array has the shape of points, (n, 2) or (n, 1, 2)."""
     return (array.ndim == 2 and array.shape[1] == 2) or (array.ndim == 3 and array.shape[1:] == (1, 2))
+
+
+def _refuse_points_of_other_shape(array: npt.NDArray[Any]) -> None:
+    """Refuse what is no picture by its shape: points given as columns, with a third coordinate, or none."""
+    if array.shape == (0,) or (array.ndim == 2 and (array.shape[0] == 2 or array.shape[1] in (1, 3))):
+        raise InvalidOutlineError(
+            f"The source is neither a picture nor an outline: an outline has the shape (n, 2), this array "
+            f"{array.shape}."
+        )
 
 
 def _as_array(source: npt.ArrayLike) -> npt.NDArray[Any]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
+from numbers import Real
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
@@ -13,12 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _core
+from foldrs._parameter_checks import check_parameters
 from foldrs._stopwatch import Stopwatch
+from foldrs._template_fields import shown
 from foldrs.alternatives import distinct, with_probabilities
 from foldrs.camera import Camera, Pose, TablePlane
 from foldrs.errors import NoHypothesisError, ParameterError
 from foldrs.explanation import Explanation
-from foldrs.fitting import fit_iteratively
+from foldrs.fitting import IterativeFit, fit_iteratively
 from foldrs.joint_fit import Folds, fit_jointly
 from foldrs.model import FoldedModel
 from foldrs.outline import find_outline
@@ -42,7 +46,7 @@ def fit(
     source: Source,
     *,
     garment_type: str | None = None,
-    templates: Sequence[TemplateLike] | None = None,
+    templates: Sequence[TemplateLike] | TemplateLike | None = None,
     px_per_cm: float | None = None,
     folds: Folds = 1,
     method: Method = "best",
@@ -62,7 +66,7 @@ def fit(
     garment_type : str, optional
         Match templates of this kind only; without it all compete and the best one names the kind.
     templates : sequence of Template or path, optional
-        Use these instead of the built-in ones.
+        Use these, or this one, instead of the built-in ones.
     px_per_cm : float, optional
         Known scale, px a template unit. Without it the scale is found.
     folds : int or "auto"
@@ -110,10 +114,9 @@ def fit(
     3
     """
     clock = Stopwatch()
+    check_options(px_per_cm=px_per_cm, folds=folds, method=method, parameters=parameters)
+    folds = plain_folds(folds)
     parameters = parameters or Parameters()
-    check_scale(px_per_cm)
-    check_method(method)
-    check_folds(folds, method)
     chosen = choose_templates(templates, garment_type, method)
 
     ground = survey(
@@ -133,11 +136,10 @@ def fit(
     clock.lap("outline")
     seen = _core.Seen(sight.points, asdict(parameters.matching))
 
-    stages: tuple[FittingPass, ...] = ()
+    fits: Sequence[IterativeFit] = ()
     if method == "paper":
         fits = fit_iteratively(seen, chosen, px_per_cm, parameters.fitting, parameters.alternatives, clock)
         explanations = [one.explanation for one in fits]
-        stages = fitting_passes(fits[0], seen) if fits else ()
         temperature = parameters.alternatives.temperature
         grasp = replace(parameters.grasp, snap_corner=parameters.fitting.snap_corner)
     else:
@@ -156,6 +158,7 @@ def fit(
             "no fold of any template could be compared with the outline: "
             "check the scale (px_per_cm) and that the templates are of the garment's kind"
         )
+    stages = _stages_behind(best[0], explanations, fits, seen)
     clock.lap("alternatives")
 
     result = result_of(
@@ -170,6 +173,17 @@ def fit(
     result = sight.in_photograph(result)
     clock.lap("model")
     return replace(result, seconds=clock.seconds, timings=dict(clock.stages))
+
+
+def _stages_behind(
+    chosen: Explanation, explanations: Sequence[Explanation], fits: Sequence[IterativeFit], seen: _core.Seen
+) -> tuple[FittingPass, ...]:
+    """Return the passes of the fit that the chosen one of the explanations, one a fit, comes from, if any."""
+    # The chosen one may have been weighted since, which leaves its folds the very objects they were.
+    for fitted, one in zip(fits, explanations, strict=False):
+        if one.folds is chosen.folds:
+            return fitting_passes(fitted, seen)
+    return ()
 
 
 def result_of(
@@ -210,17 +224,29 @@ def result_of(
 
 
 def choose_templates(
-    templates: Sequence[TemplateLike] | None, garment_type: str | None, method: Method = "best"
+    templates: Sequence[TemplateLike] | TemplateLike | None,
+    garment_type: str | None,
+    method: Method = "best",
 ) -> list[Template]:
     """Choose the templates that compete: the given or built-in ones, of one kind if a kind is given.
 
     The published method has one template a kind: of the built-in ones that of mean proportions, named like
     the kind. It chooses by cost, and would choose a kind for having more templates.
+
+    Raises
+    ------
+    ParameterError
+        None is of that kind, or what is given is neither a template nor a path.
+    TemplateError
+        A file is no template, or no built-in one is of that kind.
     """
     if templates is None:
         builtin = builtin_templates(garment_type)
         return [one for one in builtin if method == "best" or one.name == one.garment_type]
-    loaded = [t if isinstance(t, Template) else load_template(t) for t in templates]
+    given = [templates] if isinstance(templates, (Template, str, os.PathLike)) else templates
+    if not isinstance(given, Iterable) or isinstance(given, (Mapping, bytes)):
+        raise ParameterError(f"templates must be a list of templates or paths, not {_named(given)}")
+    loaded = [_as_template(one) for one in given]
     chosen = [t for t in loaded if garment_type is None or t.garment_type == garment_type]
     if not chosen:
         kinds = ", ".join(sorted({t.garment_type for t in loaded})) or "none at all"
@@ -228,18 +254,75 @@ def choose_templates(
     return chosen
 
 
+def _as_template(given: TemplateLike) -> Template:
+    """Return a template, given as one or as the path of its file."""
+    if isinstance(given, Template):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load_template(given)
+    raise ParameterError(
+        f"templates must be templates or paths, not {_named(given)}: Template.from_dict makes one of fields"
+    )
+
+
+def _named(value: object) -> str:
+    """Return a value that is no template as an error message names it."""
+    return f"{shown(value)} ({type(value).__name__})"
+
+
+def check_options(
+    *,
+    px_per_cm: float | None = None,
+    folds: Folds = 1,
+    method: Method = "best",
+    parameters: Parameters | None = None,
+    **_: object,
+) -> None:
+    """Raise ParameterError unless these options of :func:`fit` can be worked with; others pass."""
+    check_scale(px_per_cm)
+    check_method(method)
+    check_folds(folds, method)
+    if parameters is not None:
+        check_parameters(parameters)
+
+
 def check_scale(px_per_cm: float | None) -> None:
     """Raise ParameterError unless the scale is unknown or positive and finite."""
-    if px_per_cm is not None and not (math.isfinite(px_per_cm) and px_per_cm > 0):
-        raise ParameterError(f"px_per_cm must be a positive number of pixels a centimetre, not {px_per_cm}")
+    if px_per_cm is None:
+        return
+    # True is a number to Python, and no scale to anyone.
+    is_number = isinstance(px_per_cm, Real) and not isinstance(px_per_cm, bool)
+    if not (is_number and math.isfinite(px_per_cm) and px_per_cm > 0):
+        raise ParameterError(
+            f"px_per_cm must be a positive number of pixels a centimetre, not {shown(px_per_cm)}"
+        )
 
 
 def check_folds(folds: Folds, method: Method) -> None:
     """Raise ParameterError unless so many folds can be undone by the method."""
-    if folds == "auto" or (isinstance(folds, int) and 0 <= folds <= MOST_FOLDS):
-        if method == "paper" and folds != 1:
-            raise ParameterError(f"the published method undoes one fold, not {folds}: use method 'best'")
-        return
+    number = plain_folds(folds)
+    if method == "paper" and number != 1:
+        raise ParameterError(f"the published method undoes one fold, not {number}: use method 'best'")
+
+
+def plain_folds(folds: Folds) -> Folds:
+    """Return the number of folds, a whole number of any type, as an int, or "auto" as it is.
+
+    Raises
+    ------
+    ParameterError
+        It is neither, or no number from 0 to `MOST_FOLDS`.
+    """
+    if isinstance(folds, str) and folds == "auto":
+        return folds
+    # True is a whole number to Python, and no number of folds to anyone.
+    if not isinstance(folds, (bool, str)):
+        try:
+            number = operator.index(folds)
+        except TypeError:
+            number = -1
+        if 0 <= number <= MOST_FOLDS:
+            return number
     raise ParameterError(f"folds must be a whole number from 0 to {MOST_FOLDS} or 'auto', not {folds!r}")
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from foldrs import _plot_panels as panels
 from foldrs._figure_files import save_figure
+from foldrs.errors import ParameterError
 from foldrs.image import as_rgb, read_any
 from foldrs.result import FitResult
 
@@ -20,11 +21,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from foldrs.image import RgbImage
+
 Points = NDArray[np.float64]
 
 _DPI = 100  # px an inch
 _WIDTH, _HEIGHT = 1600, 1000  # px
 _MATCH_COLOURS = ("#cc79a7", "#f0e442", "#7b3294", "#8b5a2b")
+_OUTSIDE = 1.0  # px an outline may reach out of its photograph, for rounding
 # Panels as (left, bottom, width, height), shares of the figure.
 _EVIDENCE = (0.012, 0.262, 0.535, 0.618)
 _TEMPLATE = (0.557, 0.262, 0.210, 0.618)
@@ -80,10 +84,14 @@ def draw_result(
     ------
     NotAnImageError
         `image` is no image array.
+    ParameterError
+        `image` is too small to hold the outline: it is another one, an outline, or was made smaller.
     """
     from matplotlib.figure import Figure
 
     photo = None if image is None else as_rgb(image)
+    if photo is not None:
+        _check_holds(photo, result.outline_image)
     if result.from_above is not None:
         photo = None if image is None else result.from_above.picture
         result = result.from_above.result
@@ -141,9 +149,23 @@ def save_picture(
         There is no file `image`.
     NotAnImageError
         `image` cannot be read as an image.
+    ParameterError
+        `image` is too small to hold the outline: it is another one, an outline, or was made smaller.
     """
     photo = read_any(image)
     save_figure(lambda: draw_result(result, photo, details=details), Path(path))
+
+
+def _check_holds(photo: RgbImage, outline: Points) -> None:
+    """Raise ParameterError for a photograph that an outline, (n, 2) px, reaches out of."""
+    height, width = photo.shape[:2]
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    if (low < -_OUTSIDE).any() or (high > np.array([width, height]) - 1 + _OUTSIDE).any():
+        raise ParameterError(
+            f"the image is {width} x {height} pixels, the result's outline lies from "
+            f"({low[0]:.0f}, {low[1]:.0f}) to ({high[0]:.0f}, {high[1]:.0f}): "
+            "pass the photograph that it was found in, in its own size"
+        )
 
 
 def _draw_heading(figure: Figure, result: FitResult, details: MatchingDetails) -> None:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from foldrs.errors import MissingExtraError
 from foldrs.image import Source, read_any, read_if_any
 from foldrs.report import layers
-from foldrs.result import FitResult, written_whole
+from foldrs.result import FitResult
+from foldrs.whole_files import written_whole
 
 if TYPE_CHECKING:
     from foldrs.image import RgbImage

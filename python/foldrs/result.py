@@ -21,15 +21,15 @@ from __future__ import annotations
 import json
 import math
 import os
-import tempfile
-from collections.abc import Iterator, Mapping, Set
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from foldrs.whole_files import write_whole
 
 if TYPE_CHECKING:
     from foldrs.camera.frames import ResultInFrame
@@ -40,12 +40,6 @@ SCHEMA = 1
 """Version of the JSON form."""
 
 Points = NDArray[np.float64]
-
-_PART = ".part"
-
-# The mask can only be read by setting it, which no two threads may do at once: read it on loading.
-_UMASK = os.umask(0o022)
-os.umask(_UMASK)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,10 +121,13 @@ class Alternative:
     """One of the distinct explanations of the outline."""
 
     garment_type: str
+    """Kind of garment it takes the outline for."""
     probability: float
+    """How probable it is, 0 to 1; those of all explanations told sum to at most 1."""
     folds: tuple[Fold, ...]
     """First made first; empty for a garment that lies unfolded."""
     template: FittedTemplate
+    """The template fitted as this explanation has it, with its axis, template units."""
     unfolded_outline_image: Points
     """(n, 2) px: the garment unfolded again where it lies, as this explanation has it."""
 
@@ -162,12 +159,18 @@ class FitResult:
     """
 
     garment_type: str
+    """Kind of garment, as the template that explains the outline best has it."""
     accepted: bool
     """Whether the folds explain the outline better than the unfolded template does; False without a fold."""
     matching_cost: float
+    """How ill the fitted template, folded, explains the outline: less is better; comparable within one method
+    only. Of method "paper" a cost without unit, not negative. Of method "best" minus the log evidence, in
+    nats, which may be negative."""
     original_matching_cost: float
-    """Matching cost of the template as given (MC_m of eq. 5); `matching_cost` is that of the fitted one."""
+    """The same of the template as given (MC_m of eq. 5), in the unit of `matching_cost`; method "best" fits
+    at once, so it is the same number there."""
     outline_image: Points
+    """(n, 2) px: the outline of the garment as segmented, or as given."""
     folds: tuple[Fold, ...]
     """First made first; empty for a garment that lies unfolded."""
     original_template: FittedTemplate
@@ -175,6 +178,7 @@ class FitResult:
     unfolded_outline_image: Points
     """(n, 2) px: the garment unfolded again where it lies."""
     landmarks: Mapping[str, LandmarkInImage]
+    """Where every landmark of the template lies, by its name, in the template's order."""
     grasp_pairs: tuple[GraspPair, ...]
     """Accessible pairs, best first."""
     unfolding: UnfoldingAction | None
@@ -254,35 +258,6 @@ class FitResult:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON form, whole or not at all."""
         write_whole(Path(path), json.dumps(self.to_dict(), separators=(",", ":")).encode())
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that no reader ever sees a part of it."""
-    with written_whole(path) as draft:
-        draft.write_bytes(content)
-
-
-@contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
-    """Give a file beside `path` to write to, and move it there at the end; an exception leaves nothing."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=_PART)
-    os.close(handle)
-    draft = Path(name)
-    try:
-        yield draft
-        # A temporary file is its owner's alone; the result is to be as readable as any file made here.
-        draft.chmod(0o666 & ~_UMASK)
-        draft.replace(path)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
-
-
-def remove_parts(folder: Path, names: Set[str]) -> None:
-    """Remove the parts of files of these names that :func:`write_whole` left when it was killed."""
-    for path in folder.glob(f".*{_PART}"):
-        if path.name.removesuffix(_PART)[1:].rpartition(".")[0] in names:
-            path.unlink(missing_ok=True)
 
 
 def _plain(points: Points, digits: int = 4) -> list[Any]:

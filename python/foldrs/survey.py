@@ -104,13 +104,17 @@ def survey(
         What is given contradicts itself, or does not go with an outline or mask.
     CalibrationError, ScaleReferenceError, DepthError
         The camera does not go with the photograph; there is no marker or sheet; no depth image, or no table.
+    ImageTooLargeError
+        Photograph or depth image have more pixels than `parameters` allow; a file is not decoded then.
+    ImageNotFoundError, NotAnImageError
+        There is no photograph.
     """
     _check(px_per_cm, table, camera, depth, robot_base)
     if table is None and depth is None:
         return Survey(source, mask, None, None, None)
     if isinstance(table, TablePlane) and camera is None:
         camera = table.camera
-    rgb = as_photograph(source)
+    rgb = as_photograph(source, parameters.outline.max_pixels)
     if rgb is None:
         if not isinstance(table, TablePlane) or depth is not None:
             raise ParameterError(
@@ -177,7 +181,7 @@ def _check(
 
 
 def _heights(depth: Source, shape: tuple[int, int], camera: Camera | None, parameters: Parameters) -> Heights:
-    metres = read_depth(depth)
+    metres = read_depth(depth, parameters.outline.max_pixels)
     if metres.shape != shape:
         raise DepthError(
             f"The depth image is {metres.shape[1]} x {metres.shape[0]} pixels, the photograph {shape[1]} x "

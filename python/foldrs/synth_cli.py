@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from foldrs._options import template_option
+from foldrs._options import check_folder, template_option
 from foldrs.errors import FoldrsError, ParameterError
 
 if TYPE_CHECKING:
-    from foldrs.synth import FlatGarment, Garment
+    from foldrs.synth import FlatGarment, Garment, SynthParameters
     from foldrs.template import Template
+
+_OPTIONS = {"image_size": "--size", "px_per_cm": "--px-per-cm", "tilt_deg": "--tilt", "marker_cm": "--marker"}
+"""Options by the parameters they set."""
 
 _SCENARIOS = ("random", "landmarks", "parallel", "corner", "halves", "limb", "limbs")
 
@@ -117,21 +120,24 @@ def synth_command(
     from rich.console import Console
     from rich.progress import Progress
 
-    from foldrs.synth import SCENARIOS, SynthParameters, make_scenes
+    from foldrs.synth import SCENARIOS, make_scenes
 
     if photos is not None and outlines is None:
         raise click.UsageError("--photos needs --outlines, the outlines traced in them")
+    if folds == 0 and scenarios:
+        raise click.UsageError("--scenario tells how a fold is drawn: leave it out with --folds 0")
+    parameters = _parameters(
+        image_size=size,
+        px_per_cm=px_per_cm,
+        folds=folds,
+        scenarios=scenarios or SCENARIOS,
+        tilt_deg=tilt,
+        marker_cm=marker_cm,
+        sheet=a4,
+        depth=depth,
+    )
+    check_folder(out, "--out")
     try:
-        parameters = SynthParameters(
-            image_size=size,
-            px_per_cm=px_per_cm,
-            folds=folds,
-            scenarios=scenarios or SCENARIOS,
-            tilt_deg=tilt,
-            marker_cm=marker_cm,
-            sheet=a4,
-            depth=depth,
-        )
         if photos is not None:  # photographed cloth belongs to its shape
             parameters = replace(parameters, shape_cm=0.0, asymmetry_cm=0.0, stretch=0.0, bow=0.0)
         sources = garments(kinds, templates, outlines, photos)
@@ -150,7 +156,22 @@ def synth_command(
             )
     except FoldrsError as error:
         raise click.ClickException(str(error)) from error
+    except OSError as error:
+        raise click.ClickException(
+            f"--out: {out} cannot be written to ({error.strerror or error})"
+        ) from error
     click.echo(f"wrote {len(written)} scene{'s' * (len(written) > 1)} to {out}")
+
+
+def _parameters(**values: Any) -> SynthParameters:
+    """Make the parameters; a number out of range is told by the name of its option."""
+    from foldrs.synth import SynthParameters
+
+    try:
+        return SynthParameters(**values)
+    except ParameterError as error:
+        name, _, rest = str(error).partition(" ")
+        raise click.UsageError(f"{_OPTIONS.get(name, name)} {rest}") from error
 
 
 def garments(
@@ -201,12 +222,20 @@ def read_outlines(path: Path, templates: Sequence[Template], photos: Path | None
     """
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except FileNotFoundError as error:
+        raise ParameterError(f"{path}: there is no such file of outlines") from error
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (ValueError, RecursionError) as error:
         raise ParameterError(f"{path}: cannot be read as JSON ({error})") from error
     if not isinstance(entries, list) or not entries:
         raise ParameterError(f"{path}: expected a JSON list of outlines, with one at least")
     found = []
     for number, entry in enumerate(entries):
+        if not isinstance(entry, dict):
+            raise ParameterError(
+                f"{path}: outline {number} must be an object with the fields type, outline and landmarks"
+            )
         try:
             found.append(_garment(entry, templates, f"{path.stem} {number}", photos))
         except KeyError as error:
@@ -260,6 +289,7 @@ def demo_command(out: Path) -> None:
 
     from foldrs.demo import run_demo, table
 
+    check_folder(out, "--out")
     try:
         demo = run_demo(out)
     except FoldrsError as error:

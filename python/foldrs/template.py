@@ -18,6 +18,7 @@ from __future__ import annotations
 import functools
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
@@ -49,18 +50,18 @@ from foldrs._template_fields import (
     shown,
 )
 from foldrs.errors import TemplateError
+from foldrs.whole_files import write_whole
 
 SCHEMA = 1
 """Version of the template file format that is read and written."""
-
-_FIELDS = ("schema", "type", "units", "outline", "landmarks", "symmetry", "grasp_pairs", "spread")
 
 
 @dataclass(frozen=True, eq=False)
 class Template:
     """An unfolded garment: outline, landmarks, mirror symmetry and grasp pairs.
 
-    A template is checked when it is made and cannot be changed afterwards: its arrays are read-only copies.
+    A template is checked when it is made and cannot be changed afterwards: it holds read-only copies of what
+    it is made of.
 
     Parameters
     ----------
@@ -87,8 +88,9 @@ class Template:
     Raises
     ------
     TemplateError
-        If the outline is no simple polygon, a landmark does not lie on it, or a pair names no landmark. Its
-        `field` says where, in the notation of the template file, for instance ``"grasp_pairs[2][0]"``.
+        If the outline is no simple polygon, a landmark does not lie on it, a pair names no landmark, or
+        anything is of another shape or type. Its `field` says where, in the notation of the template file,
+        for instance ``"grasp_pairs[2][0]"``.
     """
 
     name: str
@@ -101,16 +103,21 @@ class Template:
     spread: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        outline = read_only(self.outline)
+        outline = _numbers(self.outline, "outline")
         check_outline(outline)
-        landmarks = snap_landmarks(outline, self.landmarks)
-        check_symmetry(self.symmetry, landmarks)
-        check_grasp_pairs(self.grasp_pairs, landmarks)
-        check_spread(self.spread, landmarks)
+        landmarks = snap_landmarks(outline, _landmark_points(self.landmarks))
+        symmetry = parse_pairs(self.symmetry, "symmetry")
+        check_symmetry(symmetry, landmarks)
+        grasp_pairs = parse_pairs(self.grasp_pairs, "grasp_pairs")
+        check_grasp_pairs(grasp_pairs, landmarks)
+        spread = parse_lengths(self.spread, "spread")
+        check_spread(spread, landmarks)
         # The way round a frozen dataclass's own lock: only here, before anyone else holds the object.
         object.__setattr__(self, "outline", outline)
         object.__setattr__(self, "landmarks", MappingProxyType(landmarks))
-        object.__setattr__(self, "spread", MappingProxyType(dict(self.spread)))
+        object.__setattr__(self, "symmetry", symmetry)
+        object.__setattr__(self, "grasp_pairs", grasp_pairs)
+        object.__setattr__(self, "spread", MappingProxyType(spread))
 
     def __reduce__(self) -> tuple[type[Template], tuple[object, ...]]:
         """Pickle by the constructor's arguments (the read-only mapping cannot be pickled as it is)."""
@@ -216,7 +223,8 @@ def load_template(path: str | os.PathLike[str]) -> Template:
 def save_template(template: Template, path: str | os.PathLike[str]) -> None:
     """Write a template file, one point or pair a line; an existing file is replaced.
 
-    The file is written whole or not at all: a failure leaves what was there before.
+    The file is written whole or not at all: a failure leaves what was there before. Of several threads or
+    processes that write one file, one has its way.
 
     Raises
     ------
@@ -224,13 +232,8 @@ def save_template(template: Template, path: str | os.PathLike[str]) -> None:
         If the file cannot be written, for instance because its folder does not exist.
     """
     path = Path(path)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        try:
-            part.write_text(_to_json(template.to_dict()), encoding="utf-8")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(path, _to_json(template.to_dict()).encode())
     except OSError as error:
         raise TemplateError(f"{path}: cannot be written ({error.strerror})") from error
 
@@ -266,26 +269,56 @@ def _all_builtin_templates() -> tuple[Template, ...]:
     return tuple(_parse(files[path].read_text(encoding="utf-8"), name=path.stem) for path in by_name)
 
 
+def _numbers(values: npt.ArrayLike, field: str) -> npt.NDArray[np.float64]:
+    """Return a read-only copy of numbers."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise field_error(field, f"must be an array of numbers ({error})") from None
+    if array.dtype.kind not in "uif":
+        raise field_error(field, f"must be real numbers, not {array.dtype}")
+    return read_only(array)
+
+
+def _landmark_points(landmarks: Mapping[str, npt.ArrayLike]) -> dict[str, npt.NDArray[np.float64]]:
+    """Return landmarks as (2,) arrays, or say which is no point."""
+    if not isinstance(landmarks, Mapping):
+        raise field_error("landmarks", f"must map names to points (x, y), not {shown(landmarks)}")
+    points = {name: _numbers(point, f"landmarks.{name}") for name, point in landmarks.items()}
+    for name, point in points.items():
+        if point.shape != (2,) or not np.isfinite(point).all():
+            raise field_error(
+                f"landmarks.{name}", f"must be two finite numbers, not {shown(landmarks[name])}"
+            )
+    return points
+
+
 def _parse(text: str, *, name: str) -> Template:
     try:
-        data = json.loads(text, object_pairs_hook=_unique)
-    except TemplateError:
-        raise
+        data = json.loads(text, object_pairs_hook=_Object)
     except (ValueError, RecursionError) as error:
         raise TemplateError(f"not a template file, which is JSON ({error})") from error
+    _refuse_names_given_twice(data)
     return Template.from_dict(data, name=name)
 
 
-def _unique(items: list[tuple[str, object]]) -> dict[str, object]:
-    """Refuse a name given twice, of which JSON would silently keep the last."""
-    found: dict[str, object] = {}
-    for name, value in items:
-        if name in found:
-            # The objects inside a template are those of its landmarks, by name.
-            field = name if name in _FIELDS else f"landmarks.{name}"
-            raise field_error(field, "given twice; names must be unique")
-        found[name] = value
-    return found
+class _Object(dict[str, object]):
+    """An object of a JSON file that knows a name given twice, of which it holds the last."""
+
+    def __init__(self, items: list[tuple[str, object]]) -> None:
+        super().__init__(items)
+        self.twice = next(
+            (name for name, count in Counter(name for name, _ in items).items() if count > 1), None
+        )
+
+
+def _refuse_names_given_twice(data: object) -> None:
+    """Refuse them in a template and the fields of it that hold names."""
+    if not isinstance(data, _Object):
+        return
+    for prefix, part in (("", data), *((f"{name}.", value) for name, value in data.items())):
+        if isinstance(part, _Object) and part.twice is not None:
+            raise field_error(f"{prefix}{part.twice}", "given twice; names must be unique")
 
 
 def _to_json(data: Mapping[str, object]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,7 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from foldrs.errors import FoldrsError
+from foldrs._options import same_file
+from foldrs.errors import FoldrsError, ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from foldrs.drafting import Draft
     from foldrs.drafting.annotations import Annotation
     from foldrs.template import Template
+
+_TEMPLATE_FIELDS = {"schema", "type", "units", "outline", "landmarks"}
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -68,6 +72,8 @@ def show_command(template: str, out: Path | None) -> None:
     with _told():
         chosen = load_template(template) if Path(template).suffix else builtin_templates(template)[0]
         path = out or Path(f"{chosen.name}.png")
+        if path.suffix.lower() == ".json" or same_file(path, Path(template)):
+            raise click.UsageError(f"{path} is no place for a picture: give --out the name of a picture")
         save_template_picture(chosen, path)
     click.echo(f"wrote {path}")
 
@@ -83,7 +89,33 @@ class DraftOptions:
     size_cm: float | None
     plot: bool
 
-    def write(self, drafts: Sequence[Draft], photograph: Any = None) -> None:
+    def __post_init__(self) -> None:
+        """Refuse, before anything is done, what can be told to be wrong without the inputs."""
+        if self.px_per_cm is not None and self.size_cm is not None:
+            raise click.UsageError("--px-per-cm goes without --size-cm: either tells the scale")
+        if self.out is not None and self.out.suffix.lower() != ".json":
+            raise click.UsageError(f"--out: {self.out} is not named *.json, as a template file is")
+        if self.out is None and self.kind is not None:
+            try:
+                _file_of(self.kind)
+            except ParameterError as error:
+                raise click.UsageError(f"--kind: {error} Or name the file with --out.") from error
+
+    def _checked_path(self, kind: str, inputs: Sequence[Path]) -> Path:
+        """Return where the template goes; neither it nor its picture may take the place of an input."""
+        path = self.out or _file_of(kind)
+        for written in (path, path.with_suffix(".png")) if self.plot else (path,):
+            if any(same_file(written, one) for one in inputs):
+                raise click.UsageError(f"{written} is read here and would be overwritten: use another --out")
+        if self.plot and same_file(path, path.with_suffix(".png")):
+            raise click.UsageError(f"{path} and its picture would be one file: use another --out")
+        if not _may_replace(path):
+            raise click.UsageError(
+                f"{path} is no template file and would be overwritten: move it, or use another --out"
+            )
+        return path
+
+    def write(self, drafts: Sequence[Draft], inputs: Sequence[Path], photograph: Any = None) -> None:
         """Write the template of one garment, or the mean of several, and tell what was proposed and why."""
         from foldrs.drafting import mean_template
         from foldrs.drafting.plot import save_draft_picture
@@ -91,7 +123,7 @@ class DraftOptions:
         from foldrs.template_plot import save_template_picture
 
         template = drafts[0].template if len(drafts) == 1 else mean_template(drafts)
-        path = self.out or Path(f"{template.garment_type}.json")
+        path = self._checked_path(template.garment_type, inputs)
         save_template(template, path)
         load_template(path)  # by the reader that every other command uses
         if self.plot and len(drafts) == 1:
@@ -171,7 +203,7 @@ def photo_command(images: tuple[Path, ...], landmarks: str | None, mask: Path | 
                         size_cm=chosen.size_cm,
                     )
                 )
-        chosen.write(drafts, photograph)
+        chosen.write(drafts, [*images, *([] if mask is None else [mask])], photograph)
 
 
 @template_group.command("from-labelme")
@@ -230,7 +262,27 @@ def _write_annotated(options: DraftOptions, files: Sequence[Path], annotations: 
                     size_cm=options.size_cm,
                 )
             )
-    options.write(drafts)
+    options.write(drafts, files)
+
+
+def _file_of(kind: str) -> Path:
+    """Return the file that a template of a kind goes to, where none is named."""
+    from foldrs.synth.batch import check_names_file
+
+    check_names_file(kind)
+    return Path(f"{kind}.json")
+
+
+def _may_replace(path: Path) -> bool:
+    """Whether a template may be written to a file: there is none, it is empty, or it is a template."""
+    if not path.exists():
+        return not path.is_symlink()
+    try:
+        content = path.read_bytes()
+        found = json.loads(content) if content.strip() else None
+    except (OSError, ValueError, RecursionError):
+        return False
+    return found is None or (isinstance(found, dict) and found.keys() >= _TEMPLATE_FIELDS)
 
 
 @contextmanager
@@ -248,7 +300,9 @@ def _named(file: Path, files: int) -> Iterator[None]:
     try:
         yield
     except FoldrsError as error:
-        raise error if files == 1 else click.ClickException(f"{file}: {error}") from error
+        if files == 1:
+            raise
+        raise click.ClickException(f"{file}: {error}") from error
 
 
 def _line(template: Template) -> str:

@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 
 from foldrs.evaluation.measures import SceneMeasures
 from foldrs.evaluation.reliability import reliability
 from foldrs.evaluation.tables import Summary, table
-from foldrs.result import write_whole
+from foldrs.whole_files import write_whole
 
 Column = tuple[str, Callable[[Summary], str]]
 
@@ -95,7 +96,8 @@ def text_tables(rows: Sequence[SceneMeasures]) -> list[TextTable]:
 def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
     """Print Table 1, Table 2 and the further measures, per kind and overall, and what probabilities mean."""
     for content in text_tables(rows):
-        console.print(_rich_table(content))
+        for part in _parts(content, console.width):
+            console.print(_rich_table(part))
     for of, first_only in (("all alternatives", False), ("the chosen explanations", True)):
         bins = reliability(rows, first_only=first_only)
         if not bins:
@@ -132,10 +134,34 @@ def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: 
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())
 
 
+def _parts(content: TextTable, width: int) -> list[TextTable]:
+    """Take a table that is wider than the page apart: some measures each, every part with the kinds."""
+    lines = (content.header, *content.rows)
+    # Every cell has a space on either side and a rule behind it; one more rule stands before the first.
+    needed = [max(map(cell_len, column)) + 3 for column in zip(*lines, strict=True)]
+    parts: list[list[int]] = [[]]
+    for index in range(1, len(needed)):
+        if parts[-1] and 1 + needed[0] + sum(needed[one] for one in (*parts[-1], index)) > width:
+            parts.append([])
+        parts[-1].append(index)
+    return [
+        TextTable(
+            content.title if number == 0 else f"{content.title}, continued",
+            _taken(content.header, part),
+            tuple(_taken(row, part) for row in content.rows),
+        )
+        for number, part in enumerate(parts)
+    ]
+
+
+def _taken(row: tuple[str, ...], part: Sequence[int]) -> tuple[str, ...]:
+    return (row[0], *(row[index] for index in part))
+
+
 def _rich_table(content: TextTable) -> Table:
     shown = Table(title=content.title, title_justify="left")
     kind, *measures = content.header
-    shown.add_column(kind)
+    shown.add_column(kind, no_wrap=True)
     for name in measures:
         shown.add_column(name, justify="right", no_wrap=True)
     *kinds, overall = content.rows

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import repeat
 from pathlib import Path
 from types import TracebackType
 from typing import IO, TYPE_CHECKING
@@ -16,14 +17,19 @@ import jinja2
 from markupsafe import Markup
 
 from foldrs import __version__
+from foldrs._fit_told import reason
+from foldrs.errors import ParameterError
 from foldrs.image import Source, read_any, read_if_any
 from foldrs.report.columns import Value, columns, values
 from foldrs.report.drawing import draw
 from foldrs.report.layers import LAYERS, TRUE
-from foldrs.result import FitResult, written_whole
+from foldrs.result import FitResult
+from foldrs.whole_files import written_whole
 
 if TYPE_CHECKING:
     from foldrs.evaluation import Scene, SceneMeasures
+
+_NO_IMAGE = object()
 
 _environment = jinja2.Environment(
     loader=jinja2.PackageLoader("foldrs.report", "assets"),
@@ -76,7 +82,7 @@ class Report:
 
     def add(
         self,
-        result: FitResult | None,
+        result: FitResult | Exception | None,
         image: Source = None,
         *,
         name: str = "",
@@ -89,14 +95,14 @@ class Report:
 
         Parameters
         ----------
-        result : FitResult, optional
-            What was found; None if the image could not be explained.
+        result : FitResult or Exception, optional
+            What was found, or why nothing was; None too if the image could not be explained.
         image : path or image array, optional
             The photograph; without it the layers are drawn on a plain background.
         name : str
-            Its name on the page; default: the result's `image`, or that of the scene.
+            Its name on the page; default: the result's `image`, or that of the scene or the file.
         error : str
-            Why there is no result.
+            Why there is no result; default: what the exception says.
         scene, measures : Scene and SceneMeasures, optional
             The truth, and how near the result comes to it (:mod:`foldrs.evaluation`).
         position : int, optional
@@ -110,9 +116,11 @@ class Report:
         NotAnImageError
             `image` cannot be read as an image; only if there is a result.
         """
-        name = name or (result.image if result else "") or (scene.name if scene else "") or "unnamed"
+        name = name or str(getattr(result, "image", "")) or (scene.name if scene else "") or _file_name(image)
+        if isinstance(result, Exception):
+            error, result = error or reason(result), None
         photo = read_any(image) if result is not None else read_if_any(image)
-        told = values(name, result, measures)
+        told = values(name or "unnamed", result, measures)
         drawing = draw(result, photo, scene)
         with self._lock:
             number = self._next if position is None else position
@@ -188,7 +196,7 @@ class Report:
 
 
 def write(
-    results: Iterable[FitResult],
+    results: Iterable[FitResult | Exception],
     path: str | os.PathLike[str],
     *,
     images: Iterable[Source] | None = None,
@@ -198,8 +206,9 @@ def write(
 
     Parameters
     ----------
-    results : iterable of FitResult
-        What to show; taken one by one, so a generator that fits while the page is made will do.
+    results : iterable of FitResult or Exception
+        What to show, as :func:`foldrs.fit_many` yields it: an error is shown as such. Taken one by one, so a
+        generator that fits while the page is made will do.
     path : path
         The HTML file to write, whole or not at all.
     images : iterable of paths or image arrays, optional
@@ -210,17 +219,42 @@ def write(
     Raises
     ------
     ImageNotFoundError, NotAnImageError
-        An image cannot be read.
-    ValueError
+        The image of a result cannot be read; that of an error may be at fault itself.
+    ParameterError
         There are more results than images, or fewer.
     """
     with Report(path, title) as page:
-        if images is None:
-            for result in results:
-                page.add(result)
-        else:
-            for result, image in zip(results, images, strict=True):
-                page.add(result, image)
+        for result, image in _paired(results, images):
+            page.add(result, image)
+
+
+def _paired(
+    results: Iterable[FitResult | Exception], images: Iterable[Source] | None
+) -> Iterator[tuple[FitResult | Exception, Source]]:
+    """Each result with its image, or None without any; ParameterError where one has no other."""
+    if images is None:
+        yield from zip(results, repeat(None))
+        return
+    if isinstance(results, Sized) and isinstance(images, Sized) and len(results) != len(images):
+        raise _unpaired(str(len(results)), str(len(images)))
+    count, more = 0, iter(images)
+    for result in results:
+        try:
+            image = next(more)
+        except StopIteration:
+            raise _unpaired(f"more than {count}", str(count)) from None
+        yield result, image
+        count += 1
+    if next(more, _NO_IMAGE) is not _NO_IMAGE:
+        raise _unpaired(str(count), f"more than {count}")
+
+
+def _unpaired(results: str, images: str) -> ParameterError:
+    return ParameterError(f"there are {results} results and {images} images: pass one image for every result")
+
+
+def _file_name(image: Source) -> str:
+    return Path(image).name if isinstance(image, (str, os.PathLike)) else ""
 
 
 def _tables(measures: Sequence[SceneMeasures]) -> list[object]:

@@ -61,7 +61,8 @@ def make_scenes(
     Raises
     ------
     ParameterError
-        If ``sources`` is empty, or ``count``, ``seed`` or ``jobs`` is too small; and as :func:`make_scene`.
+        If ``sources`` is empty, ``count``, ``seed`` or ``jobs`` is too small, or a kind can name no file; and
+        as :func:`make_scene`.
     """
     jobs = (os.cpu_count() or 1) if jobs is None else jobs
     if not sources:
@@ -70,6 +71,8 @@ def make_scenes(
         if value < least:
             raise ParameterError(f"{name} is {value}: give a whole number from {least} up.")
     check_suffix(suffix)
+    for source in sources:
+        check_names_file(source.garment_type)
     parameters = SynthParameters() if parameters is None else parameters
     folder = Path(folder)
     garments = [checked(sources[k % len(sources)]) for k in range(min(count, len(sources)))]
@@ -106,6 +109,14 @@ def make_scenes(
             pool.shutdown(wait=False, cancel_futures=True)  # one scene cannot be made: make no more of them
             raise
     return written
+
+
+def check_names_file(kind: str) -> None:
+    """Raise ParameterError if files named by a kind of garment would lie elsewhere, or have no clean name."""
+    if any(sign in "/\\" or not sign.isprintable() for sign in kind):
+        raise ParameterError(
+            f"The kind {kind!r} can name no file: give it a name without slashes and control characters."
+        )
 
 
 def _write_scene(

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldrs.errors import FoldrsError, ParameterError
-from foldrs.result import write_whole
 from foldrs.synth.camera import TableCamera, draw_camera, straight_above
 from foldrs.synth.depth import draw_depth
 from foldrs.synth.fold_lines import draw_fold, draw_second_fold
@@ -24,6 +23,7 @@ from foldrs.synth.pose import Pose, draw_pose
 from foldrs.synth.raster import LayerMasks, coverage, draw_masks
 from foldrs.synth.render import render
 from foldrs.synth.truth import describe, seen_at_an_angle, seen_outline
+from foldrs.whole_files import write_whole
 
 _TRIES = 40
 """Garments and folds drawn for one scene before it is given up."""
