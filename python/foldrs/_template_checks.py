@@ -18,9 +18,6 @@ LANDMARK_TOLERANCE = 0.05
 """How far off the outline a landmark may be given, as a share of the square root of the area: 3 cm on a shirt
 of 60 x 60 cm. Corners marked by hand on a garment with a rounded hem lie that far off, wrong ones farther."""
 
-_NO_AREA = "the outline encloses no area"
-"""What the compiled module says of an outline whose area, counted with its winding, is nothing."""
-
 _ROUNDING = 1e-9
 """Distance, in the same measure, that is rounding only: such a landmark is kept exactly as given."""
 
@@ -46,18 +43,7 @@ def check_outline(outline: npt.NDArray[np.float64]) -> None:
     try:
         _core.check_outline(outline)
     except ValueError as error:
-        problem = str(error)
-        if _NO_AREA in problem and _spans_plane(outline):
-            # What a crossing outline encloses on one side may cancel what it does on the other.
-            problem = f"{_NO_AREA} because it crosses itself or runs back over itself; an outline must not"
-        raise field_error("outline", problem) from error
-
-
-def _spans_plane(points: npt.NDArray[np.float64]) -> bool:
-    """Whether points do not all lie on one line."""
-    from_first = points - points[0]
-    size = float(np.abs(from_first).max()) or 1.0
-    return int(np.linalg.matrix_rank(from_first / size)) == 2
+        raise field_error("outline", str(error)) from error
 
 
 def snap_landmarks(

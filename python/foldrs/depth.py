@@ -17,11 +17,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from foldrs._image_headers import can_be_decoded
 from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
 from foldrs.errors import DepthError, SeveralGarmentsError
-from foldrs.image import Mask, can_be_decoded, imdecode
+from foldrs.image import Mask, imdecode
 from foldrs.parameters import DepthParameters, OutlineParameters
 from foldrs.segmentation.masks import largest_part, resized, single_object, tidied
 

@@ -6,20 +6,18 @@ A photograph is (h, w, 3) uint8 RGB, a mask (h, w) bool with True for cloth; bot
 from __future__ import annotations
 
 import errno
-import io
 import os
 import re
-import struct
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import cv2
-import imagesize
 import numpy as np
 import numpy.typing as npt
 
-from .errors import ImageNotFoundError, ImageTooLargeError, NotAnImageError
+from . import _image_headers as headers
+from ._image_headers import can_be_decoded, check_size
+from .errors import ImageNotFoundError, NotAnImageError
 from .parameters import OutlineParameters
 
 RgbImage: TypeAlias = npt.NDArray[np.uint8]
@@ -30,17 +28,6 @@ Source: TypeAlias = str | os.PathLike[str] | npt.ArrayLike | None
 
 _ROWS = 256
 """Rows of a picture converted at a time."""
-
-_JPEG_MAGIC = b"\xff\xd8"
-_PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
-_RIFF_MAGIC = b"RIFF"
-_PNG_FRAME, _PNG_CHECKSUM = 12, 4
-"""Bytes of a PNG chunk besides its content (length, name, checksum), and of the last of these."""
-_RIFF_HEADER = 12
-_TIFF_MAGICS = (b"II*\0", b"MM\0*")
-_ORIENTATION_TAG, _SAMPLE_FORMAT_TAG = 0x0112, 0x0153
-_FLOATS = 3
-"""Sample format of floating-point numbers."""
 
 _PILLOW_ARRAYS = ("L", "RGB", "RGBA", "I", "I;16", "I;16L", "I;16B", "I;16N", "F")
 """Modes of Pillow's images whose arrays are grey, RGB or RGBA as they are."""
@@ -139,7 +126,7 @@ def as_rgb(array: npt.ArrayLike, max_pixels: int | None = None) -> RgbImage:
         Wrong shape or type, no pixels, or values that are not finite or outside these ranges.
     """
     values = _checked(array)
-    _check_size(values.shape[1], values.shape[0], max_pixels, "The image array")
+    check_size(values.shape[1], values.shape[0], max_pixels, "The image array")
     channels = 1 if values.ndim == 2 else values.shape[2]
     largest = float(values.max())
     rgb = np.empty((*values.shape[:2], 3), dtype=np.uint8)
@@ -254,23 +241,23 @@ def _decode(path: str | os.PathLike[str], max_pixels: int | None) -> AnyArray:
     content = _content(path)
     data = np.frombuffer(content, dtype=np.uint8)
     readable = can_be_decoded(content, max_pixels, str(path))
-    if content.startswith(_TIFF_MAGICS) and _first_short(content, _SAMPLE_FORMAT_TAG) == _FLOATS:
+    if headers.is_floating_point_tiff(content):
         raise NotAnImageError(
             f"{path} is a floating-point TIFF, which is not read: save it with whole numbers of 8 or 16 bits."
         )
     # Alpha comes with "unchanged" only, which leaves the orientation out: then the picture is turned here.
-    turned_here = content.startswith((_PNG_MAGIC, _RIFF_MAGIC))
+    turned_here = headers.is_png(content) or headers.is_webp(content)
     flags = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH | (cv2.IMREAD_IGNORE_ORIENTATION if turned_here else 0)
     bgr = imdecode(data, flags) if readable else None
     if bgr is None:
         raise NotAnImageError(f"{path} cannot be read as an image: pass a JPEG, PNG, WebP or TIFF file.")
     colour = bgr[:, :, ::-1]
-    if content.startswith(_JPEG_MAGIC):
+    if headers.is_jpeg(content):
         return colour
     unchanged = imdecode(data, cv2.IMREAD_UNCHANGED)
     if unchanged is not None and unchanged.shape == (*colour.shape[:2], 4):
         colour = np.dstack([colour, unchanged[:, :, 3]])
-    return _turned(colour, _orientation(content)) if turned_here else colour
+    return _turned(colour, headers.orientation(content)) if turned_here else colour
 
 
 def _check_name(text: str) -> None:
@@ -307,98 +294,6 @@ def _turned(stored: AnyArray, orientation: int) -> AnyArray:
     if orientation in (2, 3, 6, 7):
         upright = upright[:, ::-1]
     return upright[::-1] if orientation in (3, 4, 7, 8) else upright
-
-
-def _orientation(content: bytes) -> int:
-    """EXIF orientation of a PNG or WebP file, 1 to 8; 1, which turns nothing, where it tells none."""
-    chunks = _png_chunks(content) if content.startswith(_PNG_MAGIC) else _riff_chunks(content)
-    exif = next((place for name, *place in chunks if name in (b"eXIf", b"EXIF")), None)
-    if exif is None:
-        return 1
-    orientation = _first_short(content[exif[0] : exif[1]].removeprefix(b"Exif\0\0"), _ORIENTATION_TAG)
-    return orientation if orientation is not None and 1 <= orientation <= 8 else 1
-
-
-def _first_short(tagged: bytes, wanted: int) -> int | None:
-    """First number, of 16 bits, of a tag in a TIFF file, or an EXIF block, which has the form of one."""
-    order = "<" if tagged.startswith(_TIFF_MAGICS[0]) else ">"
-    if not tagged.startswith(_TIFF_MAGICS):
-        return None
-    try:
-        (start,) = struct.unpack_from(f"{order}I", tagged, 4)
-        (count,) = struct.unpack_from(f"{order}H", tagged, start)
-        for entry in range(start + 2, start + 2 + 12 * count, 12):
-            tag, _, values, place = struct.unpack_from(f"{order}HHII", tagged, entry)
-            if tag == wanted:
-                # As many as four bytes hold stand in the entry itself.
-                return int(struct.unpack_from(f"{order}H", tagged, place if values > 2 else entry + 8)[0])
-    except struct.error:  # cut short
-        pass
-    return None
-
-
-def can_be_decoded(content: bytes, max_pixels: int | None, what: str) -> bool:
-    """Whether an image file may be given to OpenCV: it tells its size, and asks for no more than it has.
-
-    Raises
-    ------
-    ImageTooLargeError
-        The header tells of more pixels than allowed; `what` names the image.
-    """
-    size = _size_in_header(content)
-    if size is None:
-        return False
-    _check_size(*size, max_pixels, what)
-    return _png_is_whole(content)
-
-
-def _size_in_header(content: bytes) -> tuple[int, int] | None:
-    """Width and height as the file's header tells them, without decoding; None where it does not."""
-    try:
-        width, height = imagesize.get(io.BytesIO(content))
-    except Exception:  # whatever a damaged header makes the reader stumble over
-        return None
-    return (int(width), int(height)) if width > 0 and height > 0 else None
-
-
-def _png_is_whole(content: bytes) -> bool:
-    """Whether no chunk of a PNG file reaches beyond its end; True for other files.
-
-    OpenCV makes room for a chunk of any length, up to 4 GB, before it finds that the file is shorter.
-    """
-    if not content.startswith(_PNG_MAGIC):
-        return True
-    return all(end + _PNG_CHECKSUM <= len(content) for _, _, end in _png_chunks(content))
-
-
-def _png_chunks(content: bytes) -> Iterator[tuple[bytes, int, int]]:
-    """Name of every chunk of a PNG file, and where its content begins and ends."""
-    place = len(_PNG_MAGIC)
-    while place + _PNG_FRAME <= len(content):
-        length, name = struct.unpack_from(">I4s", content, place)
-        start = place + _PNG_FRAME - _PNG_CHECKSUM
-        yield name, start, start + length
-        place += length + _PNG_FRAME
-        if name == b"IEND":
-            return
-
-
-def _riff_chunks(content: bytes) -> Iterator[tuple[bytes, int, int]]:
-    """Name of every chunk of a WebP file, and where its content begins and ends."""
-    place = _RIFF_HEADER
-    while place + 8 <= len(content):
-        name, length = struct.unpack_from("<4sI", content, place)
-        yield name, place + 8, place + 8 + length
-        place += 8 + length + length % 2  # padded to an even number of bytes
-
-
-def _check_size(width: int, height: int, max_pixels: int | None, what: str) -> None:
-    """Raise ImageTooLargeError beyond the number of pixels allowed."""
-    if max_pixels is not None and width * height > max_pixels:
-        raise ImageTooLargeError(
-            f"{what} has {width} x {height} pixels, more than the {max_pixels} allowed: make it smaller, or "
-            "raise the limit (max_pixels)."
-        )
 
 
 def imdecode(data: npt.NDArray[np.uint8], flags: int) -> AnyArray | None:

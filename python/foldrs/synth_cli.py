@@ -246,12 +246,13 @@ def read_outlines(path: Path, templates: Sequence[Template], photos: Path | None
 
 
 def _garment(entry: dict[str, Any], templates: Sequence[Template], name: str, photos: Path | None) -> Garment:
+    from foldrs.evaluation.kinds import along_outline
     from foldrs.synth import garment_from_outline
 
     kind, outline, landmarks = entry["type"], entry["outline"], entry["landmarks"]
     alike = [template for template in templates if template.garment_type == kind]
     symmetry = tuple(pair for pair in alike[0].symmetry if set(pair) <= set(landmarks)) if alike else ()
-    order = [mark for mark in _along(alike[0]) if mark in landmarks] if alike else []
+    order = along_outline(alike[0], landmarks) if alike else ()
     photograph = None if photos is None else photos / entry["image"]
     if photograph is not None and not photograph.is_file():
         raise ParameterError(f"its photograph {photograph} is not there")
@@ -265,14 +266,6 @@ def _garment(entry: dict[str, Any], templates: Sequence[Template], name: str, ph
     return garment_from_outline(
         outline, landmarks, kind, **size, symmetry=symmetry, order=order, name=name, photograph=photograph
     )
-
-
-def _along(template: Template) -> list[str]:
-    """Names of a template's landmarks in the order they have along its outline."""
-    from shapely.geometry import LinearRing, Point
-
-    ring = LinearRing(template.outline)
-    return sorted(template.landmarks, key=lambda mark: ring.project(Point(template.landmarks[mark])))
 
 
 @click.command("demo")

@@ -13,6 +13,7 @@ import click
 
 from foldrs._options import same_file
 from foldrs.errors import FoldrsError, ParameterError
+from foldrs.whole_files import check_names_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -267,8 +268,6 @@ def _write_annotated(options: DraftOptions, files: Sequence[Path], annotations: 
 
 def _file_of(kind: str) -> Path:
     """Return the file that a template of a kind goes to, where none is named."""
-    from foldrs.synth.batch import check_names_file
-
     check_names_file(kind)
     return Path(f"{kind}.json")
 

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, however many threads and processes write them."""
+"""Files that appear whole or not at all, however many threads and processes write them; what can name one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import tempfile
 from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from pathlib import Path
+
+from foldrs.errors import ParameterError
 
 _PART = ".part"
 
@@ -61,3 +63,11 @@ def remove_parts(folder: Path, names: Set[str]) -> None:
     for path in folder.glob(f".*{_PART}"):
         if path.name.removesuffix(_PART)[1:].rpartition(".")[0] in names:
             path.unlink(missing_ok=True)
+
+
+def check_names_file(kind: str) -> None:
+    """Raise ParameterError if files named by a kind of garment would lie elsewhere, or have no clean name."""
+    if any(sign in "/\\" or not sign.isprintable() for sign in kind):
+        raise ParameterError(
+            f"The kind {kind!r} can name no file: give it a name without slashes and control characters."
+        )

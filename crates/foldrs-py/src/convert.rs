@@ -7,6 +7,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 
 import_exception!(foldrs.errors, InvalidOutlineError);
+import_exception!(foldrs.errors, ParameterError);
 
 /// Points of an (n, 2) array of any memory layout.
 pub(crate) fn points(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Point>> {
@@ -57,6 +58,20 @@ pub(crate) fn matrix<'py>(
     rows: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     values.to_pyarray(py).reshape([rows, values.len() / rows.max(1)])
+}
+
+/// A scale that is known.
+pub(crate) fn checked_scale(px_per_unit: Option<f64>) -> PyResult<Option<f64>> {
+    match px_per_unit {
+        Some(s) if !(s.is_finite() && s > 0.0) => Err(parameter_error(format!(
+            "the scale must be a positive number, not {s}"
+        ))),
+        known => Ok(known),
+    }
+}
+
+pub(crate) fn parameter_error(what: String) -> PyErr {
+    ParameterError::new_err(what)
 }
 
 pub(crate) fn outline_error(e: OutlineError) -> PyErr {

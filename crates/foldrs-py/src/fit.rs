@@ -1,7 +1,7 @@
 //! The joint fit.
 
-use crate::convert::{array, outline, points, segment};
-use crate::matching::{checked_scale, map_array, PySeen};
+use crate::convert::{array, checked_scale, outline, points, segment};
+use crate::matching::{map_array, PySeen};
 use foldrs::fit::{
     explain_from, explain_jointly, FlexibleTemplate, FoldCount, JointExplanation, JointFits, KnownFold,
     Looks, Picture,

@@ -1,35 +1,20 @@
 //! Stages 1 to 4: matching.
 
-use crate::convert::{array, outline};
+use crate::convert::{array, checked_scale, outline, parameter_error};
 use foldrs::fold::Layer;
 use foldrs::hypothesis::Face;
 use foldrs::matching::{cheapest_folds, explain, match_folded, Candidate, Seen};
 use foldrs::registration::PlaneMap;
 use foldrs::{Outline, Parameters};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
-use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::PyAny;
 
-import_exception!(foldrs.errors, ParameterError);
-
 pub(crate) fn parameters(any: &Bound<'_, PyAny>) -> PyResult<Parameters> {
     let parameters: Parameters =
-        pythonize::depythonize(any).map_err(|e| ParameterError::new_err(format!("parameters: {e}")))?;
-    parameters
-        .check()
-        .map_err(|e| ParameterError::new_err(e.to_string()))?;
+        pythonize::depythonize(any).map_err(|e| parameter_error(format!("parameters: {e}")))?;
+    parameters.check().map_err(|e| parameter_error(e.to_string()))?;
     Ok(parameters)
-}
-
-/// A scale that is known.
-pub(crate) fn checked_scale(px_per_unit: Option<f64>) -> PyResult<Option<f64>> {
-    match px_per_unit {
-        Some(s) if !(s.is_finite() && s > 0.0) => Err(ParameterError::new_err(format!(
-            "the scale must be a positive number, not {s}"
-        ))),
-        known => Ok(known),
-    }
 }
 
 #[pyfunction]

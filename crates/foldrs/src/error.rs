@@ -15,8 +15,8 @@ pub enum OutlineError {
     /// So large or so small that areas and moments of it are no numbers any more.
     #[error("the outline measures {0:e}: scale its coordinates, they must lie between 1e-50 and 1e50")]
     OutOfRange(f64),
-    /// All points on one line, or on one spot.
-    #[error("the outline encloses no area")]
+    /// All points on one line or on one spot, or what it encloses one way round cancels what it does the other.
+    #[error("the outline encloses no area: its points lie on one line, or it crosses itself or runs back over itself")]
     NoArea,
     /// Two edges that are not neighbours meet.
     #[error("edges {0} and {1} of the outline cross: an outline must not cross itself")]

@@ -8,7 +8,7 @@ use crate::fold::{creased_chords, fold, FoldedPoint};
 use crate::hypothesis::{aggregate, hypotheses, Face, Hypothesis, SampledFace};
 use crate::inner_distance::inner_distances;
 use crate::outline::Side;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, LEAST_POINTS};
 use crate::partial_match::partial_matches;
 use crate::registration::PlaneMap;
 use crate::shape_context::{chi_squared, mirrored_shape_contexts, shape_contexts, ShapeContexts};
@@ -327,7 +327,7 @@ pub fn claim_axes(
         // A template far larger or smaller than what is seen cannot be it; the bound keeps the cost bounded.
         let n = (template.length() * scale / spacing)
             .round()
-            .clamp(20.0, 4.0 * face.points.len() as f64) as usize;
+            .clamp(LEAST_POINTS as f64, 4.0 * face.points.len() as f64) as usize;
         let delta = parameters.partial_match.delta;
         SampledFace::new(Face::Seen, &template.clone().positive(), Vec::new(), n, delta)
     });

@@ -36,6 +36,9 @@ pub struct Parameters {
     pub region: RegionParameters,
 }
 
+/// Points below which an outline resampled to them keeps nothing of its shape.
+pub(crate) const LEAST_POINTS: usize = 20;
+
 /// Sides of the simplified outline (section 2.1).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(

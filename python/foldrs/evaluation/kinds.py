@@ -73,7 +73,7 @@ class Kind:
                     f"template {template.name!r} lacks the scene's landmarks {', '.join(missing)}"
                 )
         found = [_symmetries_by_name(template, landmarks) for template in templates]
-        names = _along_outline(templates[0], landmarks)
+        names = along_outline(templates[0], landmarks)
         return cls(
             names,
             tuple(
@@ -84,9 +84,11 @@ class Kind:
         )
 
 
-def _along_outline(template: Template, landmarks: Collection[str]) -> tuple[str, ...]:
+def along_outline(template: Template, landmarks: Collection[str]) -> tuple[str, ...]:
     """Landmarks in their order along the template's outline, from the first one the template lists."""
     listed = [name for name in template.landmarks if name in landmarks]
+    if not listed:
+        return ()
     ring = LinearRing(template.outline)
     arc = shapely.line_locate_point(
         ring, shapely.points(np.array([template.landmarks[name] for name in listed]))
@@ -96,7 +98,7 @@ def _along_outline(template: Template, landmarks: Collection[str]) -> tuple[str,
 
 def _symmetries_by_name(template: Template, landmarks: Collection[str]) -> list[dict[str, str]]:
     """Every symmetry of a template as a table of old and new names, the identity first."""
-    names = _along_outline(template, landmarks)
+    names = along_outline(template, landmarks)
     n = len(names)
     keep = [tuple((k + r) % n for k in range(n)) for r in range(n)]
     turn = [tuple((r - k) % n for k in range(n)) for r in range(n)]

@@ -16,6 +16,7 @@ from foldrs.errors import ParameterError
 from foldrs.synth.garment import FlatGarment, Garment, Photograph, checked
 from foldrs.synth.parameters import SynthParameters
 from foldrs.synth.scene import check_suffix, make_scene
+from foldrs.whole_files import check_names_file
 
 
 def make_scenes(
@@ -109,14 +110,6 @@ def make_scenes(
             pool.shutdown(wait=False, cancel_futures=True)  # one scene cannot be made: make no more of them
             raise
     return written
-
-
-def check_names_file(kind: str) -> None:
-    """Raise ParameterError if files named by a kind of garment would lie elsewhere, or have no clean name."""
-    if any(sign in "/\\" or not sign.isprintable() for sign in kind):
-        raise ParameterError(
-            f"The kind {kind!r} can name no file: give it a name without slashes and control characters."
-        )
 
 
 def _write_scene(

@@ -155,9 +155,6 @@ impl RegionParameters {
     }
 }
 
-/// Points below which an outline resampled to them keeps nothing of its shape.
-const LEAST_POINTS: usize = 20;
-
 /// Says of which group a parameter is that is not in its range.
 struct Group(&'static str);
 
