@@ -148,6 +148,7 @@ def test_a_file_that_was_sent_is_named_as_it_was_given(tmp_path: Path) -> None:
     [
         ({"timeout": 0}, "positive"),
         ({"timeout": float("nan")}, "positive"),
+        ({"timeout": float("inf")}, "positive"),
         ({"jobs": 0}, "jobs"),
         ({"jobs": -1}, "jobs"),
         ({"jobs": 10**30}, "jobs"),

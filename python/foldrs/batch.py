@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field
 from itertools import islice
+from math import inf
 from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -239,7 +240,7 @@ def check_batch(executor: Executor | None, jobs: int | None, timeout: float | No
     """Raise ParameterError unless images can be fitted so."""
     if jobs is not None and not (_is_number(jobs, Integral) and 1 <= jobs <= _MOST_JOBS):
         raise ParameterError(f"jobs must be a whole number from 1 to {_MOST_JOBS}, not {jobs!r}")
-    if timeout is not None and not (_is_number(timeout, Real) and timeout > 0):
+    if timeout is not None and not (_is_number(timeout, Real) and 0 < timeout < inf):
         raise ParameterError(f"timeout must be a positive number of seconds, not {timeout!r}")
     if executor is not None and jobs is not None:
         raise ParameterError(

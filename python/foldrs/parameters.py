@@ -281,6 +281,10 @@ class JointFitParameters:
     """Spread of the logarithm of the garment's size about the template's, where the scale is known."""
     free_growth: float = 0.25
     """The same where the scale is unknown."""
+    most_larger: float = 10.0
+    """How many times as large (in length) as what is seen a template may be, or as small, where the scale is
+    known: five folds make a garment look about a sixth of its size, and none is larger or smaller than its
+    template by more than the rest."""
     view: float = 0.05
     """Spread of how much larger a camera at an angle draws a garment's near side than its far side, over its
     size, where the scale is unknown: a garment of 60 cm, seen from 2 m at 10 degrees. With a scale, or a
@@ -300,6 +304,18 @@ class JointFitParameters:
     """As `shift`, of the crease of a fold that others follow: they leave less of it to be seen."""
     earlier_skew: float = 0.1
     """Radians: as `skew`, likewise."""
+    along: float = 0.15
+    """Share of first folds that lie along the garment's mirror axis, at some distance from it ..."""
+    across: float = 0.2
+    """... at right angles to it ..."""
+    halves: float = 0.2
+    """... and on it, so that the halves cover each other. All others lie in any direction."""
+    way_turn: float = 0.06
+    """Radians: how far such a fold is turned from that; garments are folded by hand."""
+    way_shift: float = 0.05
+    """How far a fold in halves lies beside the mirror axis, of the size."""
+    ways_tried: int = 30
+    """So many of the best fits of all templates are tried in these ways."""
     first_fold: float = 16.0
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
     folded, a fold near a hem still takes up what the template's shape does not explain. Nine in ten

@@ -184,6 +184,10 @@ pub struct FitParameters {
     pub growth: f64,
     /// The same where the scale is unknown.
     pub free_growth: f64,
+    /// How many times as large (in length) as what is seen a template may be, or as small, where the scale is known: five
+    /// folds make a garment look about a sixth of its size, and none is larger or smaller than its template by more than
+    /// the rest.
+    pub most_larger: f64,
     /// Spread of how much larger a camera at an angle draws a garment's near side than its far side, over its size, where
     /// the scale is unknown: a garment of 60 cm, seen from 2 m at 10 degrees. With a scale, or a plane that tells it,
     /// the outline is one seen from straight above.
@@ -202,6 +206,18 @@ pub struct FitParameters {
     pub earlier_shift: f64,
     /// In radians.
     pub earlier_skew: f64,
+    /// Share of first folds that lie along the garment's mirror axis, at some distance from it ...
+    pub along: f64,
+    /// ... at right angles to it ...
+    pub across: f64,
+    /// ... and on it, so that the halves cover each other. All others lie in any direction.
+    pub halves: f64,
+    /// How far such a fold is turned from that, in radians: garments are folded by hand.
+    pub way_turn: f64,
+    /// How far a fold in halves lies beside the mirror axis, as a share of the square root of the template's area.
+    pub way_shift: f64,
+    /// So many of the best fits of all templates are tried in these ways.
+    pub ways_tried: usize,
     /// Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is folded, a
     /// fold near a hem still takes up what the template's shape does not explain.
     pub first_fold: f64,
@@ -270,6 +286,7 @@ impl Default for FitParameters {
             asymmetry: 0.04,
             growth: 0.15,
             free_growth: 0.25,
+            most_larger: 10.0,
             view: 0.05,
             hidden: 1.3,
             turn: 2.0,
@@ -278,6 +295,12 @@ impl Default for FitParameters {
             skew: 0.03,
             earlier_shift: 1.0,
             earlier_skew: 0.1,
+            along: 0.15,
+            across: 0.2,
+            halves: 0.2,
+            way_turn: 0.06,
+            way_shift: 0.05,
+            ways_tried: 30,
             first_fold: 16.0,
             further_fold: 6.0,
             flap: 2.0,

@@ -341,3 +341,44 @@ fn a_gap_that_the_flap_covers_need_not_be_seen() {
     });
     assert!((with - without).abs() < 0.5, "{with} {without}");
 }
+
+/// A skirt of so many times its usual width, and its pairs of mirrored corners.
+fn skirt(wide: f64) -> (Outline, [[Point; 2]; 2]) {
+    let at = |x: f64, y: f64| Point::new(x * wide, y);
+    let corners = [at(-18.0, 0.0), at(-30.0, 55.0), at(30.0, 55.0), at(18.0, 0.0)];
+    let mirrored = [[corners[0], corners[3]], [corners[1], corners[2]]];
+    (Outline::new(corners.to_vec()).unwrap(), mirrored)
+}
+
+#[test]
+fn a_garment_folded_in_halves_is_twice_as_wide_as_what_is_seen() {
+    // The flap is hidden: by the template's own width it would reach less far than the part it lies on.
+    let (template, mirrored) = skirt(1.0);
+    let area = |outline: &[Point]| Outline::new(outline.to_vec()).unwrap().signed_area().abs();
+    let known = KnownFold {
+        template: 0,
+        axis: [Point::new(0.0, 0.0), Point::new(0.0, 55.0)],
+        crease: [Point::new(0.0, 0.0), Point::new(0.0, 55.0)],
+        face: Face::Seen,
+    };
+    let off = |wide: f64, parameters: &Parameters| {
+        let (truth, _) = skirt(wide);
+        let half = truth
+            .points()
+            .iter()
+            .map(|p| Point::new(p.x.min(0.0), p.y))
+            .collect();
+        let seen = Seen::new(Outline::new(half).unwrap().positive(), parameters);
+        let templates = [FlexibleTemplate::new(&template, &mirrored, &parameters.fit)];
+        let told = explain_from(&seen, &templates, &[known], Some(1.0), None, parameters);
+        (area(&told[0].outline) / area(truth.points()) - 1.0).abs()
+    };
+    let halves = Parameters::default();
+    let mut anyhow = Parameters::default();
+    (anyhow.fit.along, anyhow.fit.across, anyhow.fit.halves) = (0.0, 0.0, 0.0);
+    for wide in [1.05, 1.15, 1.25] {
+        let (halves, anyhow) = (off(wide, &halves), off(wide, &anyhow));
+        assert!(anyhow > 0.03, "{wide}: {anyhow}");
+        assert!(halves < 0.6 * anyhow, "{wide}: {halves}, {anyhow}");
+    }
+}

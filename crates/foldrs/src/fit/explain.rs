@@ -181,10 +181,6 @@ pub fn explain_from(
     search.told(&search.fits(&starts, sight.as_ref()), 1)
 }
 
-/// How many times as large (in length) as what is seen a garment may be, or as small: five folds make it look about a sixth
-/// of its size, and no garment is larger or smaller than its template by more than the rest.
-const MOST_LARGER: f64 = 10.0;
-
 /// The joint fit of one seen outline, in working units: template units, as far as the scale is known.
 struct Search<'a> {
     /// As they look from where the picture may have been taken.
@@ -265,7 +261,8 @@ impl<'a> Search<'a> {
     fn may_be(&self, template: usize) -> bool {
         self.templates.get(template).is_some_and(|t| {
             let larger = ratio(t.area, self.field.area);
-            self.scale.is_none() || (1.0 / MOST_LARGER..=MOST_LARGER).contains(&larger)
+            let most = self.parameters.most_larger;
+            self.scale.is_none() || (1.0 / most..=most).contains(&larger)
         })
     }
 

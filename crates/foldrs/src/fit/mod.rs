@@ -26,6 +26,7 @@ mod shape;
 mod solve;
 mod stack;
 mod view;
+mod way;
 
 pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
@@ -73,6 +74,8 @@ fn fit_starts(
         solve::retried(field, of(*t), fit, parameters)
     });
     replace_first(&mut fine, again.into_iter().map(Some).collect());
+    fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
+    way::tried(field, templates, &mut fine, parameters);
     fine.sort_by(|a, b| a.1.surprise.total_cmp(&b.1.surprise));
     if let Some(sight) = sight {
         fine = best_first(parallel::map(&fine, |(t, fit)| {

@@ -1,6 +1,7 @@
 //! The normal equations of a candidate: how a point of the folded model moves with every variable.
 
 use super::layers::Piece;
+use super::way::Deviation;
 use crate::crease::Axis;
 use crate::stack::{Crease, Source};
 use crate::{Point, Vector};
@@ -167,6 +168,21 @@ impl Normal {
         let weight = weight / (1.0 + e) / (noise * noise);
         self.row.clear();
         jacobian.row(piece, t, w, variables, &mut self.row);
+        self.add_row(r, weight);
+    }
+
+    /// Adds a deviation from what is expected, which counts by its square.
+    pub(super) fn hold(&mut self, deviation: &Deviation) {
+        let precision = deviation.spread.powi(-2);
+        self.prior += 0.5 * precision * deviation.value.powi(2);
+        self.row.clear();
+        self.row.extend_from_slice(&deviation.row);
+        self.add_row(deviation.value, precision);
+    }
+
+    /// Adds a residual that changes by [`Normal::row`].
+    fn add_row(&mut self, r: f64, weight: f64) {
+        let variables = self.gradient.len();
         // Every variable occurs once; in their order the lower triangle is filled column by column.
         self.row.sort_unstable_by_key(|&(a, _)| a);
         for (k, &(a, x)) in self.row.iter().enumerate() {

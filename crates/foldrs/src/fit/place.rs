@@ -70,7 +70,7 @@ pub(super) fn placed(
     sight: &Sight,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let mut problem = Problem::new(field, template, fit.start.clone(), parameters)?;
+    let mut problem = Problem::resumed(field, template, fit, parameters)?;
     let here = problem.factored(&fit.state, parameters.noise)?;
     let open = open_directions(&problem, &fit.state, &here, sight)?;
     let state = shown_state(&problem, fit, &open, sight)?;

@@ -8,6 +8,7 @@ use super::picture::PictureEvidence;
 use super::place::ShownRims;
 use super::shape::FlexibleTemplate;
 use super::solve::{JointFit, Start};
+use super::way::Way;
 use crate::crease::Axis;
 use crate::fold::Layer;
 use crate::outline::encloses;
@@ -21,9 +22,9 @@ pub(super) struct State {
     /// Displacements of the corners in template units, x and y in turn.
     pub(super) displacement: DVector<f64>,
     /// Logarithm of the scale over the start's.
-    growth: f64,
-    turn: f64,
-    offset: Vector,
+    pub(super) growth: f64,
+    pub(super) turn: f64,
+    pub(super) offset: Vector,
     /// Where every crease lies, first made first.
     slips: Vec<Slip>,
     /// How far every edge bulges to its left in the middle, in seen units: hems and seams are not straight.
@@ -42,8 +43,8 @@ pub(super) struct Slip {
 /// Fixed in one candidate.
 pub(super) struct Problem<'a> {
     pub(super) field: &'a SeenField,
-    template: &'a FlexibleTemplate,
-    start: Start,
+    pub(super) template: &'a FlexibleTemplate,
+    pub(super) start: Start,
     /// The sides as axes with the flap on their left, first made first, and their middles.
     sides: Vec<(Axis, Point)>,
     /// Spread of every edge's bow, in seen units.
@@ -51,6 +52,8 @@ pub(super) struct Problem<'a> {
     pub(super) parameters: &'a FitParameters,
     /// Where the picture shows rims.
     pub(super) shown: ShownRims,
+    /// How the garment was folded.
+    pub(super) way: Way,
 }
 
 /// The model of a state, folded.
@@ -88,6 +91,21 @@ impl<'a> Problem<'a> {
             bow_spreads,
             parameters,
             shown: ShownRims::default(),
+            way: Way::default(),
+        })
+    }
+
+    /// The problem a fit is a solution of.
+    pub(super) fn resumed(
+        field: &'a SeenField,
+        template: &'a FlexibleTemplate,
+        fit: &JointFit,
+        parameters: &'a FitParameters,
+    ) -> Option<Self> {
+        Some(Self {
+            shown: fit.shown.clone(),
+            way: fit.way,
+            ..Self::new(field, template, fit.start.clone(), parameters)?
         })
     }
 
@@ -105,7 +123,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Linear part of the pose: scale, turn, and reflection.
-    fn linear(&self, growth: f64, turn: f64) -> Matrix2<f64> {
+    pub(super) fn linear(&self, growth: f64, turn: f64) -> Matrix2<f64> {
         let scale = self.start.scale * growth.exp();
         let (s, c) = turn.sin_cos();
         let mirror = if self.start.reflected { -1.0 } else { 1.0 };
@@ -141,11 +159,15 @@ impl<'a> Problem<'a> {
     }
 
     /// The points the creases turn about.
-    fn pivots(&self, state: &State) -> Vec<Point> {
-        let pivot = |((side, middle), slip): (&(Axis, Point), &Slip)| {
-            middle + Vector::new(-side.direction.y, side.direction.x) * slip.shift
-        };
-        self.sides.iter().zip(&state.slips).map(pivot).collect()
+    pub(super) fn pivots(&self, state: &State) -> Vec<Point> {
+        let pivot = |(k, slip): (usize, &Slip)| self.sides[k].1 + self.across_side(k) * slip.shift;
+        state.slips.iter().enumerate().map(pivot).collect()
+    }
+
+    /// The direction in which a crease is shifted from its side.
+    pub(super) fn across_side(&self, k: usize) -> Vector {
+        let along = self.sides[k].0.direction;
+        Vector::new(-along.y, along.x)
     }
 
     /// The model folded; `None` if a crease folds nothing.
@@ -254,6 +276,9 @@ impl<'a> Problem<'a> {
             normal.gradient[n + k] += precision * value;
             normal.prior += 0.5 * precision * value * value;
         }
+        for deviation in self.deviations(state) {
+            normal.hold(&deviation);
+        }
         self.evaluate(state, noise, normal)
     }
 
@@ -357,8 +382,13 @@ impl<'a> Problem<'a> {
                 .iter()
                 .map(|x| x.ln())
                 .sum::<f64>();
+        let way = if self.sides.is_empty() {
+            0.0
+        } else {
+            self.way.surprise(self.template, self.parameters)
+        };
         Evidence {
-            surprise: here.residual + here.prior + 0.5 * (log_det - self.template.log_det - poses),
+            surprise: here.residual + here.prior + 0.5 * (log_det - self.template.log_det - poses) + way,
             residual: here.residual,
         }
     }
@@ -398,6 +428,7 @@ impl<'a> Problem<'a> {
             residual: evidence.residual,
             state,
             shown: self.shown.clone(),
+            way: self.way,
         })
     }
 }

@@ -20,6 +20,8 @@ pub struct FlexibleTemplate {
     vertices: Vec<Vertex>,
     /// What the corners are relative to, in template coordinates.
     pub(super) centre: Point,
+    /// For every mirror axis the pairs of corners that are mirror images of each other.
+    pub(super) mirrors: Vec<Vec<(usize, usize)>>,
     /// Whether the corners run the other way round than the outline given.
     pub(super) reversed: bool,
     /// Enclosed area.
@@ -59,24 +61,30 @@ impl FlexibleTemplate {
             add_difference(&mut precision, i, j, &Matrix2::identity(), spread.powi(-2));
         }
         let asymmetry = (parameters.asymmetry * unit).powi(-2);
+        let mut mirrors = Vec::new();
         if let Some(map) = mirror_map(mirror) {
             let tolerance = 0.02 * unit;
             let pairs = mirror_vertices(points, &map, tolerance);
             add_mirrored(&mut precision, &pairs, &map, asymmetry);
+            mirrors.push(pairs);
             // What is its own mirror image across this axis as well, a rectangle, keeps that too.
             let other = across(&map, &centre);
             let pairs = mirror_vertices(points, &other, tolerance);
             let paired: usize = pairs.iter().map(|(i, j)| if i == j { 1 } else { 2 }).sum();
             if paired == n {
                 add_mirrored(&mut precision, &pairs, &other, asymmetry);
+                mirrors.push(pairs);
             }
         }
+        let mut mirrors: Vec<_> = mirrors.iter().map(|pairs| across_alike(pairs, points)).collect();
+        mirrors.retain(|pairs| !pairs.is_empty());
         let log_det = log_determinant(&precision).unwrap_or(0.0);
         let corners = points.iter().map(|p| p - centre).collect();
         Self {
             corners,
             vertices,
             centre,
+            mirrors,
             reversed,
             area: outline.signed_area(),
             alone: vec![shape; n],
@@ -230,6 +238,20 @@ fn mirror_vertices(points: &[Point], map: &PlaneMap, tolerance: f64) -> Vec<(usi
     (0..points.len())
         .filter_map(|i| partner(i).filter(|&j| i <= j).map(|j| (i, j)))
         .collect()
+}
+
+/// The pairs of two corners, each from the same side of the mirror axis to the other.
+fn across_alike(pairs: &[(usize, usize)], points: &[Point]) -> Vec<(usize, usize)> {
+    let mut pairs: Vec<(usize, usize)> = pairs.iter().copied().filter(|(i, j)| i != j).collect();
+    let across = |&(i, j): &(usize, usize)| points[j] - points[i];
+    if let Some(first) = pairs.first().map(across) {
+        for pair in &mut pairs {
+            if across(pair).dot(&first) < 0.0 {
+                *pair = (pair.1, pair.0);
+            }
+        }
+    }
+    pairs
 }
 
 /// Logarithmic determinant of a positive definite matrix.

@@ -6,6 +6,7 @@ use super::picture::{PictureEvidence, Sight};
 use super::place::ShownRims;
 use super::problem::{Evidence, Problem, State};
 use super::shape::FlexibleTemplate;
+use super::way::Way;
 use crate::parameters::FitParameters;
 use crate::{Point, Segment};
 
@@ -56,6 +57,8 @@ pub struct JointFit {
     pub(super) state: State,
     /// Where the picture shows rims.
     pub(super) shown: ShownRims,
+    /// How the garment was folded.
+    pub(super) way: Way,
 }
 
 impl JointFit {
@@ -121,6 +124,12 @@ pub(super) fn fine(
     for _ in 0..parameters.coarse_iterations {
         state = problem.step(&state, middle)?;
     }
+    settled(&problem, state)
+}
+
+/// The likeliest state on the way to where nothing moves, with the true noise.
+pub(super) fn settled(problem: &Problem, mut state: State) -> Option<JointFit> {
+    let parameters = problem.parameters;
     let mut best: Option<(Evidence, State)> = None;
     let mut here = problem.factored(&state, parameters.noise)?;
     for _ in 0..parameters.iterations {
@@ -171,8 +180,7 @@ pub(super) fn polished(
     fit: &JointFit,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let mut problem = Problem::new(field, template, fit.start.clone(), parameters)?;
-    problem.shown = fit.shown.clone();
+    let problem = Problem::resumed(field, template, fit, parameters)?;
     let mut state = fit.state.clone();
     for _ in 0..parameters.polish_iterations {
         state = problem.step(&state, parameters.polish_noise)?;
@@ -194,7 +202,7 @@ pub(super) fn with_picture(
     sight: &Sight,
     parameters: &FitParameters,
 ) -> Option<JointFit> {
-    let problem = Problem::new(field, template, fit.start.clone(), parameters)?;
+    let problem = Problem::resumed(field, template, fit, parameters)?;
     let picture = sight.evidence(&problem.laid(&fit.state)?.layers, field);
     Some(JointFit {
         picture,

@@ -108,6 +108,8 @@ impl FitParameters {
             ("coarse_noise", self.coarse_noise),
             ("polish_noise", self.polish_noise),
             ("longest_step", self.longest_step),
+            ("way_turn", self.way_turn),
+            ("way_shift", self.way_shift),
         ] {
             group.positive(name, value)?;
         }
@@ -124,6 +126,22 @@ impl FitParameters {
         ] {
             group.not_negative(name, value)?;
         }
+        group.share("along", self.along)?;
+        group.share("across", self.across)?;
+        group.share("halves", self.halves)?;
+        let told = self.along + self.across + self.halves;
+        group.unless(
+            told < 1.0,
+            "halves",
+            "less than 1 together with along and across",
+            told,
+        )?;
+        group.unless(
+            self.most_larger >= 1.0,
+            "most_larger",
+            "1 or more",
+            self.most_larger,
+        )?;
         group.share("least_turned", self.least_turned)?;
         group.share("covered", self.covered)
     }
@@ -226,7 +244,7 @@ mod tests {
     #[test]
     fn what_is_out_of_range_is_named() {
         type Change = fn(&mut Parameters);
-        let changes: [(Change, &str); 12] = [
+        let changes: [(Change, &str); 14] = [
             (|p| p.side.tolerances = vec![], "side.tolerances"),
             (|p| p.partial_match.points = 4, "partial_match.points"),
             (|p| p.partial_match.delta = usize::MAX, "partial_match.delta"),
@@ -240,6 +258,8 @@ mod tests {
             (|p| p.alignment.skip_penalty = f64::NAN, "alignment.skip_penalty"),
             (|p| p.fit.nodes = 0, "fit.nodes"),
             (|p| p.fit.bow = 0.0, "fit.bow"),
+            (|p| p.fit.most_larger = f64::NAN, "fit.most_larger"),
+            (|p| p.fit.along = 0.9, "fit.halves"),
             (|p| p.rim.mislead = 2.0, "rim.mislead"),
             (|p| p.region.patch = f64::INFINITY, "region.patch"),
         ];
