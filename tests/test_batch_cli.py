@@ -398,6 +398,7 @@ def test_help_teaches_by_examples() -> None:
         (["--resume"], 2, "--out"),
         (["--keep-folders"], 2, "--out"),
         (["--timeout", "0"], 2, "positive"),
+        (["--timeout", "inf"], 2, "positive"),
         (["--max-pixels", "0"], 2, "--max-pixels"),
         (["--max-pixels", "1000"], 1, "more than the 1000 allowed"),
         (["--timeout", "0.001"], 1, "longer than 0.001 s"),

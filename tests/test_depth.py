@@ -187,6 +187,21 @@ def test_bad_files_are_refused(tmp_path: Path, name: str, content: bytes | None,
         read_depth(tmp_path / name)
 
 
+def test_large_files_are_refused_by_their_headers(tmp_path: Path) -> None:
+    metres = np.ones((30, 40), np.float32)
+    np.save(tmp_path / "d.npy", metres)
+    cv2.imwrite(str(tmp_path / "d.tiff"), metres)
+    for path in tmp_path.iterdir():
+        with pytest.raises(ImageTooLargeError, match="40 x 30"):
+            read_depth(path, max_pixels=1000)
+        assert read_depth(path, max_pixels=1200).shape == (30, 40)
+    # What ends after its header is no array, though the header tells of one.
+    path = tmp_path / "d.npy"
+    path.write_bytes(path.read_bytes()[:128])
+    with pytest.raises(DepthError, match="NumPy"):
+        read_depth(path)
+
+
 def test_bad_arrays_are_refused() -> None:
     for values, word in (
         (np.zeros((4, 4, 3), np.uint16), "shape"),
@@ -222,6 +237,9 @@ def test_depth_by_command(scene: Scene, tmp_path: Path) -> None:
     two = CliRunner().invoke(main, ["fit", photo, photo, "--depth", depth])
     assert two.exit_code == 2
     assert "single" in two.output
+    large = CliRunner().invoke(main, ["fit", photo, "--depth", depth, "--max-pixels", "1000"])
+    assert large.exit_code == 1
+    assert "towel.depth.tiff has" in large.output
 
 
 def test_the_same_scene_without_depth_looks_the_same(scene: Scene) -> None:

@@ -80,7 +80,7 @@ def reference_of(marker_cm: float | None, family: str | None, a4: bool) -> Refer
     return A4 if a4 else None if marker_cm is None else Marker(marker_cm, family)
 
 
-def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
+def known_of_table(options: Mapping[str, Any], images: int, max_pixels: int | None) -> dict[str, Any]:
     """Read the files that the options name.
 
     Parameters
@@ -89,6 +89,8 @@ def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
         Values of the options by name.
     images : int
         Number of photographs.
+    max_pixels : int or None
+        Most pixels that a depth image may have; None: any number.
 
     Returns
     -------
@@ -114,7 +116,7 @@ def known_of_table(options: Mapping[str, Any], images: int) -> dict[str, Any]:
     if options["depth"] is not None and images > 1:
         raise click.UsageError("--depth goes with a single IMAGE")
 
-    depth = None if options["depth"] is None else read_depth(options["depth"])
+    depth = None if options["depth"] is None else read_depth(options["depth"], max_pixels)
     known: dict[str, Any] = {"depth": depth, "table": reference}
     if options["robot_base"] is not None:
         known["robot_base"] = load_pose(options["robot_base"])

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from foldrs._image_headers import can_be_decoded
+from foldrs._image_headers import can_be_decoded, check_size
 from foldrs.camera._matrices import inverse
 from foldrs.camera.pinhole import Camera
 from foldrs.camera.plane import TablePlane
@@ -70,7 +70,7 @@ def read_depth(
     source : path or (h, w) array_like
         A PNG or TIFF file, ``.npy``, or an array. Whole numbers are millimetres, floats metres.
     max_pixels : int, optional
-        Most pixels that a PNG or TIFF file may have, as photographs by default; None: any number.
+        Most pixels that a file may have, as photographs by default; None: any number.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def read_depth(
     DepthError
         There is no such file, it cannot be read, or there is no depth image in it.
     ImageTooLargeError
-        The header of a PNG or TIFF file tells of more pixels than allowed; it is not decoded then.
+        The header of a file tells of more pixels than allowed; the rest is not read then.
     """
     if isinstance(source, str | os.PathLike):
         values = _file_content(Path(source), max_pixels)
@@ -183,7 +183,7 @@ def _file_content(path: Path, max_pixels: int | None) -> npt.NDArray[Any]:
         if not path.is_file():
             raise DepthError(f"{path}: there is no such depth image.")
         if path.suffix.lower() == ".npy":
-            return _numpy_content(path)
+            return _numpy_content(path, max_pixels)
         content = path.read_bytes()
     except OSError as error:
         raise DepthError(
@@ -196,11 +196,15 @@ def _file_content(path: Path, max_pixels: int | None) -> npt.NDArray[Any]:
     return np.asarray(decoded)
 
 
-def _numpy_content(path: Path) -> npt.NDArray[Any]:
+def _numpy_content(path: Path, max_pixels: int | None) -> npt.NDArray[Any]:
     try:
-        return np.asarray(np.load(path, allow_pickle=False))
+        # Nothing but the header is read yet.
+        mapped = np.asanyarray(np.load(path, mmap_mode="r", allow_pickle=False))
     except (ValueError, EOFError) as error:
         raise DepthError(f"{path}: is no NumPy array ({error}).") from None
+    if mapped.ndim > 1:
+        check_size(mapped.shape[1], mapped.shape[0], max_pixels, str(path))
+    return np.array(mapped)
 
 
 class _InverseDepth:

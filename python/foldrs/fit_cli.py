@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -153,7 +154,7 @@ def fit_command(
     check_table_options(px_per_cm, placing)
     try:
         options = _fit_options(templates, garment_type, px_per_cm, folds, method, mask, max_pixels)
-        options |= known_of_table(placing, len(images))
+        options |= known_of_table(placing, len(images), options["parameters"].outline.max_pixels)
         check_pose(options)
         pictures = _Pictures(plot, _published_options(options, bool(templates), garment_type, plot_stages))
         destination = None
@@ -212,7 +213,7 @@ def _fit_options(
 
 
 def _check_timeout(timeout: float | None) -> None:
-    if timeout is not None and not timeout > 0:
+    if timeout is not None and not 0 < timeout < inf:
         raise click.UsageError(f"--timeout must be a positive number of seconds, not {timeout}")
 
 
