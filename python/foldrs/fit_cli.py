@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -25,7 +24,7 @@ from foldrs._options import (
     rerun_option,
     template_option,
 )
-from foldrs.errors import FoldrsError, OutputError
+from foldrs.errors import FoldrsError, OutputError, ParameterError
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -213,8 +212,12 @@ def _fit_options(
 
 
 def _check_timeout(timeout: float | None) -> None:
-    if timeout is not None and not 0 < timeout < inf:
-        raise click.UsageError(f"--timeout must be a positive number of seconds, not {timeout}")
+    from foldrs.batch import check_batch
+
+    try:
+        check_batch(None, None, timeout)
+    except ParameterError as error:
+        raise click.UsageError(f"--{error}") from error
 
 
 def _published_options(

@@ -309,13 +309,14 @@ class JointFitParameters:
     across: float = 0.2
     """... at right angles to it ..."""
     halves: float = 0.2
-    """... and on it, so that the halves cover each other. All others lie in any direction."""
+    """... and on it, so that the halves cover each other. All others lie in any direction: a little less than
+    half of all, which is a guess; shares of 0.15 to 0.3 in halves do alike."""
     way_turn: float = 0.06
-    """Radians: how far such a fold is turned from that; garments are folded by hand."""
+    """Radians: how far such a fold is turned from that; folded by hand, some three degrees."""
     way_shift: float = 0.05
-    """How far a fold in halves lies beside the mirror axis, of the size."""
+    """How far a fold in halves lies beside the mirror axis, of the size: 2 to 3 cm."""
     ways_tried: int = 30
-    """So many of the best fits of all templates are tried in these ways."""
+    """So many of the best fits of all templates are tried in these ways: several times those told."""
     first_fold: float = 16.0
     """Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is
     folded, a fold near a hem still takes up what the template's shape does not explain. Nine in ten

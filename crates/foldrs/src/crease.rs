@@ -69,6 +69,12 @@ impl Axis {
         })
     }
 
+    /// Unit vector at right angles to the line, to its left (from x towards y).
+    #[must_use]
+    pub fn normal(&self) -> Vector {
+        Vector::new(-self.direction.y, self.direction.x)
+    }
+
     /// The mirror image of a point.
     #[must_use]
     pub fn reflect(&self, p: &Point) -> Point {

@@ -210,13 +210,14 @@ pub struct FitParameters {
     pub along: f64,
     /// ... at right angles to it ...
     pub across: f64,
-    /// ... and on it, so that the halves cover each other. All others lie in any direction.
+    /// ... and on it, so that the halves cover each other. All others lie in any direction: a little less than half
+    /// of all, which is a guess; shares of 0.15 to 0.3 in halves do alike.
     pub halves: f64,
-    /// How far such a fold is turned from that, in radians: garments are folded by hand.
+    /// How far such a fold is turned from that, in radians: garments are folded by hand, to some three degrees.
     pub way_turn: f64,
-    /// How far a fold in halves lies beside the mirror axis, as a share of the square root of the template's area.
+    /// How far a fold in halves lies beside the mirror axis, as a share of the square root of the template's area: 2 to 3 cm.
     pub way_shift: f64,
-    /// So many of the best fits of all templates are tried in these ways.
+    /// So many of the best fits of all templates are tried in these ways: several times those that are told.
     pub ways_tried: usize,
     /// Nats a first fold must gain over the template unfolded, beyond what its freedom costs: where nothing is folded, a
     /// fold near a hem still takes up what the template's shape does not explain.

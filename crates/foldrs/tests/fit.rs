@@ -351,7 +351,7 @@ fn skirt(wide: f64) -> (Outline, [[Point; 2]; 2]) {
 }
 
 #[test]
-fn a_garment_folded_in_halves_is_twice_as_wide_as_what_is_seen() {
+fn of_a_garment_folded_in_halves_the_seen_half_tells_the_hidden_one() {
     // The flap is hidden: by the template's own width it would reach less far than the part it lies on.
     let (template, mirrored) = skirt(1.0);
     let area = |outline: &[Point]| Outline::new(outline.to_vec()).unwrap().signed_area().abs();

@@ -202,11 +202,11 @@ mod tests {
         let halves = [axis((30.0, 40.0), (30.0, 0.0)), axis((0.0, 20.0), (30.0, 20.0))];
         for piece in fold_layers(&towel(), &halves, 0.5).unwrap().pieces {
             let middle = nalgebra::center(&piece.ends[0], &piece.ends[1]);
-            let inside = middle + Vector::new(-piece.direction.y, piece.direction.x);
+            let inside = middle + piece.across();
             let within = (0.0..=30.0).contains(&inside.x) && (0.0..=20.0).contains(&inside.y);
             let half =
                 piece.ends[0] + (piece.ends[1] - piece.ends[0]) * (0.5 * (piece.share[0] + piece.share[1]));
-            let inside_half = half + Vector::new(-piece.direction.y, piece.direction.x);
+            let inside_half = half + piece.across();
             assert!(
                 within || ((0.0..=30.0).contains(&inside_half.x) && (0.0..=20.0).contains(&inside_half.y))
             );

@@ -55,7 +55,7 @@ impl Jacobian<'_> {
                 continue;
             }
             x = axis.reflect(&x);
-            let normal = Vector::new(-axis.direction.y, axis.direction.x);
+            let normal = axis.normal();
             let from = x - self.pivots[k];
             let turned = normal * axis.direction.dot(&from) + axis.direction * normal.dot(&from);
             row.push((first + 2 * k, 2.0 * w.dot(&normal)));
@@ -67,7 +67,7 @@ impl Jacobian<'_> {
             Source::Crease(c) => {
                 let k = self.creases[c].fold;
                 let axis = &self.axes[k];
-                let normal = Vector::new(-axis.direction.y, axis.direction.x);
+                let normal = axis.normal();
                 let along = axis.direction.dot(&(x - self.pivots[k]));
                 row.push((first + 2 * k, w.dot(&normal)));
                 row.push((first + 2 * k + 1, w.dot(&normal) * along));

@@ -46,7 +46,7 @@ pub(super) struct Problem<'a> {
     pub(super) template: &'a FlexibleTemplate,
     pub(super) start: Start,
     /// The sides as axes with the flap on their left, first made first, and their middles.
-    sides: Vec<(Axis, Point)>,
+    pub(super) sides: Vec<(Axis, Point)>,
     /// Spread of every edge's bow, in seen units.
     bow_spreads: Vec<f64>,
     pub(super) parameters: &'a FitParameters,
@@ -160,14 +160,8 @@ impl<'a> Problem<'a> {
 
     /// The points the creases turn about.
     pub(super) fn pivots(&self, state: &State) -> Vec<Point> {
-        let pivot = |(k, slip): (usize, &Slip)| self.sides[k].1 + self.across_side(k) * slip.shift;
-        state.slips.iter().enumerate().map(pivot).collect()
-    }
-
-    /// The direction in which a crease is shifted from its side.
-    pub(super) fn across_side(&self, k: usize) -> Vector {
-        let along = self.sides[k].0.direction;
-        Vector::new(-along.y, along.x)
+        let pivot = |((side, middle), slip): (&(Axis, Point), &Slip)| middle + side.normal() * slip.shift;
+        self.sides.iter().zip(&state.slips).map(pivot).collect()
     }
 
     /// The model folded; `None` if a crease folds nothing.

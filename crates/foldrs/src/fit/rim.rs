@@ -110,7 +110,7 @@ impl<'a> Rims<'a> {
             // is as quick as any.
             let spacing = p.spacing.max(1.0 / self.pixels);
             let count = (visible / spacing).ceil().clamp(1.0, self.across());
-            let normal = Vector::new(-piece.direction.y, piece.direction.x);
+            let normal = piece.across();
             for k in 0..count as usize {
                 let t = piece.share[0] + (piece.share[1] - piece.share[0]) * (k as f64 + 0.5) / count;
                 let x = piece.ends[0] + (piece.ends[1] - piece.ends[0]) * t;

@@ -79,10 +79,8 @@ impl Problem<'_> {
             Way::Halves(mirror) => mirror,
             Way::Along | Way::Across => 0,
         };
-        let (Some(pairs), Some(crease)) = (
-            self.template.mirrors.get(mirror),
-            self.axes(state).into_iter().next(),
-        ) else {
+        let crease = self.axes(state).into_iter().next();
+        let (Some(pairs), Some(crease)) = (self.template.mirrors.get(mirror), crease) else {
             return Vec::new();
         };
         let ring = self.ring(state);
@@ -91,7 +89,7 @@ impl Problem<'_> {
         if length <= 0.0 {
             return Vec::new();
         }
-        let normal = Vector::new(-crease.direction.y, crease.direction.x);
+        let normal = crease.normal();
         let expected = if self.way == Way::Across {
             crease.direction
         } else {
@@ -130,7 +128,7 @@ impl Problem<'_> {
                 (n + 1, v.perp(&normal)),
                 (n + 2, normal.x),
                 (n + 3, normal.y),
-                (shift, -normal.dot(&self.across_side(0))),
+                (shift, -normal.dot(&self.sides[0].0.normal())),
                 (skew, -crease.direction.dot(&from_pivot)),
             ];
             for &(i, j) in pairs {
@@ -162,15 +160,7 @@ pub(super) fn tried(
 ) {
     let few = fits.len().min(parameters.ways_tried);
     let found = parallel::map(&fits[..few], |(t, fit)| {
-        let template = &templates[*t];
-        let ways = if fit.creases.is_empty() {
-            Vec::new()
-        } else {
-            Way::of(template)
-        };
-        let ways = ways.into_iter();
-        ways.filter_map(|way| folded_so(field, template, fit, way, parameters))
-            .collect::<Vec<JointFit>>()
+        folded_so(field, &templates[*t], fit, parameters).unwrap_or_default()
     });
     for (k, found) in found.into_iter().enumerate() {
         for fit in found {
@@ -188,33 +178,36 @@ pub(super) fn tried(
 /// Nats by which a way may seem to fall short of the fit it starts from and still be tried.
 const SHORT: f64 = 4.0;
 
-/// The fit if its garment was folded in such a way; `None` if the crease lies far from it.
+/// The fit if its garment was folded in each of the ways that its crease lies near to; `None` if it has no crease.
 fn folded_so(
     field: &SeenField,
     template: &FlexibleTemplate,
     fit: &JointFit,
-    way: Way,
     parameters: &FitParameters,
-) -> Option<JointFit> {
-    let mut problem = Problem::resumed(field, template, fit, parameters)?;
+) -> Option<Vec<JointFit>> {
+    fit.creases.first()?;
+    let mut problem = Problem::new(field, template, fit.start.clone(), parameters)?;
     let here = problem.factored(&fit.state, parameters.noise)?;
-    let now = problem.way;
-    problem.way = way;
-    // What the way would add if all were as linear as it is here.
-    let mut short = way.surprise(template, parameters) - now.surprise(template, parameters);
-    for deviation in problem.deviations(&fit.state) {
-        let mut row = DVector::zeros(here.gradient.len());
-        for &(variable, by) in &deviation.row {
-            row[variable] = by;
+    let anyhow = Way::Any.surprise(template, parameters);
+    let mut found = Vec::new();
+    for way in Way::of(template) {
+        problem.way = way;
+        // What the way would add if all were as linear as it is here.
+        let mut short = way.surprise(template, parameters) - anyhow;
+        for deviation in problem.deviations(&fit.state) {
+            let mut row = DVector::zeros(here.gradient.len());
+            for &(variable, by) in &deviation.row {
+                row[variable] = by;
+            }
+            let open = row.dot(&here.factor.solve(&row));
+            let variance = deviation.spread.powi(2) + open;
+            short += 0.5 * (deviation.value.powi(2) / variance + (variance / deviation.spread.powi(2)).ln());
         }
-        let open = row.dot(&here.factor.solve(&row));
-        let variance = deviation.spread.powi(2) + open;
-        short += 0.5 * (deviation.value.powi(2) / variance + (variance / deviation.spread.powi(2)).ln());
+        if short <= SHORT {
+            found.extend(solve::settled(&problem, fit.state.clone()));
+        }
     }
-    if short > SHORT {
-        return None;
-    }
-    solve::settled(&problem, fit.state.clone())
+    Some(found)
 }
 
 #[cfg(test)]
