@@ -29,6 +29,7 @@ __all__ = [
     "align",
     "alignment_costs",
     "axis_difference",
+    "carried",
     "check_outline",
     "default_parameters",
     "fit_jointly",
@@ -78,6 +79,17 @@ def signed_area(points: _Points) -> float:
 
 def nearest_on_outline(points: _Points, query: _Points) -> tuple[_Points, _Points, _Points]:
     """Return for k query points the (k, 2) nearest points of the outline, their distances and arc lengths."""
+
+def carried(points: _Points, outline: _Points, moved: _Points) -> _Points:
+    """Carry points (k, 2) of an outline to another with as many corners, to like shares of its edges.
+
+    Raises
+    ------
+    InvalidOutlineError
+        If either has fewer than three corners, or one that is not finite.
+    ValueError
+        If they have not as many corners, or an array is of another shape than (n, 2).
+    """
 
 def points_at(points: _Points, arc: _Points) -> _Points:
     """Points (k, 2) of the outline at k arc lengths from its first vertex.
@@ -414,6 +426,27 @@ class JointExplanation:
     @property
     def surprise(self) -> float:
         """Minus log evidence in nats; comparable between templates."""
+    @property
+    def draws(self) -> int:
+        """How many garments were drawn from what is as likely; none of all but the best explanations."""
+    def reach_drawn(self, points: _Points, most: int) -> tuple[_Points, _Points, _Points]:
+        """How a gripper reaches k points of the fitted outline, in up to so many of the garments drawn.
+
+        Of an explanation without draws it is the fitted garment itself; what does not fold is left out.
+
+        Returns
+        -------
+        places : (d, k, 2)
+            Where the points lie on every folded garment, in the seen outline's units, as the distances are.
+        off_outline, to_double_layer : (d, k)
+            Distances from the folded garment's outline, and from where two layers or more lie over each
+            other; infinite if they do so nowhere.
+
+        Raises
+        ------
+        ValueError
+            If the points are of another shape than (k, 2).
+        """
 
 @final
 class JointFits:

@@ -91,9 +91,18 @@ def reason(error: BaseException) -> str:
 
 def _line(image: str, result: FitResult) -> str:
     probability = result.alternatives[0].probability
-    pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
+    pair = pair_told(result)
     found = f"{result.garment_type}, {_folds_told(result)} p = {probability:.2f}, grasp {pair}"
     return f"{image}: {found}, {result.seconds:.2f} s"
+
+
+def pair_told(result: FitResult) -> str:
+    """Name the best grasp pair, with its probability where there is one."""
+    if not result.grasp_pairs:
+        return "none reachable"
+    best = result.grasp_pairs[0]
+    sure = "" if best.probability is None else f" (p = {best.probability:.2f})"
+    return " + ".join(best.landmarks) + sure
 
 
 def _folds_told(result: FitResult) -> str:

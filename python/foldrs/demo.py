@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from foldrs._fit_told import pair_told
 from foldrs.evaluation.kinds import Kind
 from foldrs.evaluation.measures import GRASP_MARGIN_CM, RIGHT, SceneMeasures, measure
 from foldrs.evaluation.scenes import load_scenes
@@ -96,9 +97,8 @@ def table(demo: Demo) -> Table:
     if measures.landmarks_cm:
         mean = float(np.mean(measures.landmarks_cm))
         shown.add_row("landmarks", f"{mean:.1f} cm off, mean of {len(measures.landmarks_cm)}", "")
-    pair = " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none reachable"
     reach = f"in reach, within {GRASP_MARGIN_CM:g} cm"
-    shown.add_row("grasp pair", pair, reach, _verdict(measures.pair_right))
+    shown.add_row("grasp pair", pair_told(result), reach, _verdict(measures.pair_right))
     shown.add_row("seconds", f"{result.seconds:.2f}", "")
     return shown
 

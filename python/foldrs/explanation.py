@@ -40,6 +40,8 @@ class Explanation:
     """(n, 2) px: the fitted template's corners where a piecewise registration puts them; None if they lie
     where `to_image` puts them."""
 
+    joint: _core.JointExplanation | None = None
+    """The joint fit it tells of, from which garments as likely are drawn; None of the published method."""
     weight: float = 1.0
     """Share of its kind's prior probability that stands behind it, of 1: less where the kind has several
     templates (:mod:`foldrs.alternatives`)."""

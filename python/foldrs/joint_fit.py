@@ -71,6 +71,7 @@ def explanation(template: Template, fit: _core.JointExplanation, unfolded: float
         cost=fit.surprise,
         original_cost=fit.surprise,
         unfolded_cost=unfolded,
+        joint=fit,
     )
 
 

@@ -29,10 +29,5 @@ def carried(landmarks: Mapping[str, Points], outline: Points, moved: Points) -> 
     """
     if not landmarks:
         return {}
-    edges = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
-    ends = np.cumsum(edges)
-    _, _, arc = _core.nearest_on_outline(outline, np.array(list(landmarks.values())))
-    edge = np.minimum(np.searchsorted(ends, arc, side="right"), len(outline) - 1)
-    share = np.clip(1.0 - (ends[edge] - arc) / edges[edge], 0.0, 1.0)[:, None]
-    points = moved[edge] * (1.0 - share) + moved[(edge + 1) % len(moved)] * share
+    points = _core.carried(np.array(list(landmarks.values())), outline, moved)
     return dict(zip(landmarks, points, strict=True))

@@ -7,7 +7,7 @@ any number of folds; without any the garment lies in one layer.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from foldrs import _core
 from foldrs.explanation import Explanation
 from foldrs.landmark import carried
 from foldrs.parameters import GraspParameters
+from foldrs.reach import Reach, Weighed, reach_over
 from foldrs.registration import perimeter
 from foldrs.result import GraspMove, GraspPair, LandmarkInImage, UnfoldingAction
 
@@ -34,6 +35,8 @@ class FoldedModel:
     parameters: GraspParameters
     seen_outline: Points | None
     """(n, 2) px: the outline seen in the image; None if it has not been seen."""
+    among: Sequence[Weighed] = ()
+    """All explanations told, this one too, with their probabilities; none if the model is to be believed."""
 
     @cached_property
     def unfolded_outline(self) -> Points:
@@ -49,15 +52,35 @@ class FoldedModel:
     def landmarks(self) -> Mapping[str, LandmarkInImage]:
         """Every landmark where it lies now, and whether it is accessible (section 3.2).
 
-        Accessible: on the folded outline, and no double layer within a radius.
+        Accessible: on the folded outline, and no double layer within a radius; among several explanations, if
+        that is probable enough over all of them.
         """
-        now, names = self._folded, list(self.explanation.fitted.landmarks)
-        _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, now)
-        clear = self._clear_by(self.parameters.clearance)
-        visible = off_outline <= self.parameters.on_outline * self.px_per_unit
+        names = self._places
+        if self.reach is None:
+            within = self._clear_by(self.parameters.clearance) & self._visible
+            return {n: LandmarkInImage(p, bool(w)) for (n, p), w in zip(names.items(), within, strict=True)}
+        chances = {name: self.reach.of(name) for name in names}
+        likely = self.parameters.likely
+        return {n: LandmarkInImage(p, chances[n] >= likely, chances[n]) for n, p in names.items()}
+
+    @cached_property
+    def reach(self) -> Reach | None:
+        """Which landmarks are within reach over all explanations; None if the model is to be believed."""
+        return reach_over(self.among, self._places, self.px_per_unit, self.parameters)
+
+    @cached_property
+    def _places(self) -> Mapping[str, Points]:
+        """Where every landmark lies now, px: moved onto the seen outline if it is visible."""
+        now = self._folded
         if self.seen_outline is not None:
-            now = np.where(visible[:, None], self._onto(self.seen_outline, now), now)
-        return {n: LandmarkInImage(p, bool(r)) for n, p, r in zip(names, now, clear & visible, strict=True)}
+            now = np.where(self._visible[:, None], self._onto(self.seen_outline, now), now)
+        return dict(zip(self.explanation.fitted.landmarks, now, strict=True))
+
+    @cached_property
+    def _visible(self) -> NDArray[np.bool_]:
+        """(k,) whether every landmark lies on the folded outline."""
+        _, off_outline, _ = _core.nearest_on_outline(self.layers.outline, self._folded)
+        return np.asarray(off_outline <= self.parameters.on_outline * self.px_per_unit)
 
     @cached_property
     def _folded(self) -> Points:
@@ -93,16 +116,23 @@ class FoldedModel:
     def grasp_pairs(self) -> tuple[GraspPair, ...]:
         """The template's grasp pairs of which both points are accessible.
 
-        Those with ample room come first, for where layers end is not known to the centimetre; else the
-        order is the template's order of preference.
+        The most probable ones come first, else those with ample room, for where layers end is not known to
+        the centimetre; of equal ones the order is the template's order of preference.
         """
         marks = self.landmarks
-        ample = dict(zip(marks, self._clear_by(self.parameters.ample), strict=True))
         within_reach = [
             (a, b)
             for a, b in self.explanation.template.grasp_pairs
             if marks[a].accessible and marks[b].accessible
         ]
+        if self.reach is not None:
+            chance = {pair: self.reach.of(*pair) for pair in within_reach}
+            within_reach.sort(key=lambda pair: -chance[pair])  # stable
+            return tuple(
+                GraspPair((a, b), np.array([marks[a].image, marks[b].image]), chance[a, b])
+                for a, b in within_reach
+            )
+        ample = dict(zip(marks, self._clear_by(self.parameters.ample), strict=True))
         within_reach.sort(key=lambda pair: not (ample[pair[0]] and ample[pair[1]]))  # stable
         return tuple(GraspPair((a, b), np.array([marks[a].image, marks[b].image])) for a, b in within_reach)
 
@@ -113,8 +143,13 @@ class FoldedModel:
             return None
         crease = self.explanation.folds[-1].axis_image
         pair = self.grasp_pairs[0].landmarks if self.grasp_pairs else None
-        reachable = [name for name, mark in self.landmarks.items() if mark.accessible]
-        farthest = max(reachable, key=lambda name: self._reach(name, crease), default=None)
+        reachable = {name: mark for name, mark in self.landmarks.items() if mark.accessible}
+
+        def turned(name: str) -> float:
+            reach = reachable[name].reach
+            return self._off_crease(name, crease) * (1.0 if reach is None else reach)
+
+        farthest = max(reachable, key=turned, default=None)
         return UnfoldingAction(
             two_arms=None if pair is None else (self._move(pair[0], crease), self._move(pair[1], crease)),
             one_arm=None if farthest is None else self._move(farthest, crease),
@@ -127,7 +162,7 @@ class FoldedModel:
             return ()
         earlier = replace(self.explanation, folds=self.explanation.folds[:-1])
         # What a fold hid has not been seen: there the model has to do.
-        then = replace(self, explanation=earlier, seen_outline=None)
+        then = replace(self, explanation=earlier, seen_outline=None, among=())
         return (self.unfolding, *then.unfolding_plan)
 
     def _move(self, name: str, crease: Points) -> GraspMove:
@@ -136,7 +171,7 @@ class FoldedModel:
         clearance = float(self.layers.distance_to_double_layer(pick[None])[0]) / self.px_per_unit
         return GraspMove(name, pick, place, clearance)
 
-    def _reach(self, name: str, crease: Points) -> float:
+    def _off_crease(self, name: str, crease: Points) -> float:
         """Distance of a landmark from the crease's line, px."""
         pick = self.landmarks[name].image
         return float(np.linalg.norm(_core.reflect(pick[None], crease)[0] - pick)) / 2.0

@@ -362,6 +362,12 @@ class JointFitParameters:
     """Iterations with that noise."""
     polished: int = 20
     """So many of the best fits are drawn onto the outline."""
+    draws: int = 64
+    """So many garments are drawn from what is as likely as each of these fits, to tell how probably a
+    landmark is within reach: that probability is then known to 6 %."""
+    draw_variance: float = 3.0
+    """Variance of the draws, as a multiple of the fit's: evidence is surer than it should be by so much (see
+    `AlternativeParameters.nats`). With it probabilities of reach meet what happens."""
     longest_step: float = 6.0
     """Longest step of a corner in one iteration."""
     directions: int = 12
@@ -500,9 +506,16 @@ class GraspParameters:
 
     clearance: float = 2.0
     """Template units (cm): no double layer this near to an accessible landmark. A finger's width."""
+    margin: float = 5.0
+    """Template units (cm): so far from a landmark a gripper may close and still hold the garment by it; the
+    paper's margin."""
+    likely: float = 0.3
+    """Probability of being within reach from which on a landmark counts as accessible. At 0.5 one in ten
+    garments, those in halves mostly, had no grasp pair at all, though some would have worked."""
     ample: float = 6.0
-    """Template units (cm): grasp pairs with no double layer this near to either landmark are preferred. Where
-    a hidden layer ends is known to a few centimetres; 4 to 8 are alike."""
+    """Template units (cm): of the published method, which tells no probabilities, grasp pairs with no double
+    layer this near to either landmark are preferred. Where a hidden layer ends is known to a few centimetres;
+    4 to 8 are alike."""
     on_outline: float = 1.0
     """Template units (cm): how far from the folded outline a landmark may lie and still count as on it."""
     snap: float = 6.0

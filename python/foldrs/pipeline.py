@@ -199,7 +199,9 @@ def result_of(
     """Build the result from distinct explanations, the chosen one first."""
     best = explanations[0]
     px_per_unit = math.sqrt(abs(float(np.linalg.det(best.to_image[:, :2]))))
-    model = FoldedModel(best, px_per_unit, grasp, outline)
+    alternatives = with_probabilities(explanations, temperature)
+    among = [(e, a.probability) for e, a in zip(explanations, alternatives, strict=True)]
+    model = FoldedModel(best, px_per_unit, grasp, outline, among)
     return FitResult(
         garment_type=best.template.garment_type,
         accepted=best.accepted,
@@ -216,7 +218,7 @@ def result_of(
         grasp_pairs=model.grasp_pairs,
         unfolding=model.unfolding,
         unfolding_plan=model.unfolding_plan,
-        alternatives=with_probabilities(explanations, temperature),
+        alternatives=alternatives,
         image=image,
         candidate_creases=candidate_creases,
         stages=stages,

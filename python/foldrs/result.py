@@ -80,7 +80,11 @@ class LandmarkInImage:
     image: Points
     """(2,) px."""
     accessible: bool
-    """Whether it lies on the outline with no double layer near it (section 3.2)."""
+    """Whether it lies on the outline with no double layer near it (section 3.2), so far as can be told: with
+    method "best" if `reach` is no less than `GraspParameters.likely`."""
+    reach: float | None = None
+    """Probability of that, and of its lying within `GraspParameters.margin` of where it is told to; None
+    with method "paper", which has no doubts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,8 @@ class GraspPair:
     landmarks: tuple[str, str]
     image: Points
     """(2, 2) px, in the order of the names."""
+    probability: float | None = None
+    """Probability that both are within reach; None with method "paper"."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +118,8 @@ class UnfoldingAction:
     two_arms: tuple[GraspMove, GraspMove] | None
     """The moves of the best grasp pair; None if no pair is accessible."""
     one_arm: GraspMove | None
-    """The move of the accessible landmark farthest from the crease, which turns the most cloth; None if no
-    landmark is accessible."""
+    """The move of the accessible landmark that may be expected to turn the most cloth: its distance from the
+    crease times its `reach`, where there is one, is largest. None if no landmark is accessible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +186,8 @@ class FitResult:
     landmarks: Mapping[str, LandmarkInImage]
     """Where every landmark of the template lies, by its name, in the template's order."""
     grasp_pairs: tuple[GraspPair, ...]
-    """Accessible pairs, best first."""
+    """Accessible pairs, best first: the most probable ones, of equally probable ones those that the template
+    lists first."""
     unfolding: UnfoldingAction | None
     """How to undo the last fold; None if there is none."""
     unfolding_plan: tuple[UnfoldingAction, ...]
@@ -233,11 +240,20 @@ class FitResult:
             "template": _template(self.template),
             "unfolded_outline_image": _plain(self.unfolded_outline_image),
             "landmarks": {
-                name: {"image": _plain(mark.image), "accessible": mark.accessible}
+                name: {
+                    "image": _plain(mark.image),
+                    "accessible": mark.accessible,
+                    "reach": plain_probability(mark.reach),
+                }
                 for name, mark in self.landmarks.items()
             },
             "grasp_pairs": [
-                {"landmarks": list(p.landmarks), "image": _plain(p.image)} for p in self.grasp_pairs
+                {
+                    "landmarks": list(p.landmarks),
+                    "image": _plain(p.image),
+                    "probability": plain_probability(p.probability),
+                }
+                for p in self.grasp_pairs
             ],
             "unfolding": None if self.unfolding is None else action_to_dict(self.unfolding),
             "unfolding_plan": [action_to_dict(action) for action in self.unfolding_plan],
@@ -263,6 +279,11 @@ class FitResult:
 def _plain(points: Points, digits: int = 4) -> list[Any]:
     rounded: list[Any] = np.round(points, digits).tolist()
     return rounded
+
+
+def plain_probability(probability: float | None) -> float | None:
+    """Return a probability, where there is one, in the JSON form."""
+    return None if probability is None else round(probability, 4)
 
 
 def _crease(fold: Fold | None) -> dict[str, Any] | None:

@@ -54,6 +54,7 @@ def _row(result: FitResult | BaseException) -> dict[str, Any]:
     if result.grasp_pairs:
         best = result.grasp_pairs[0]
         row |= {"grasp_1": best.landmarks[0], "grasp_2": best.landmarks[1]}
+        row |= {"grasp_probability": best.probability}
         row |= _points("grasp", best.image.tolist())
     return dict.fromkeys(_KEYS) | row
 
@@ -77,6 +78,7 @@ _KEYS = (
     *(f"crease_{end}" for end in ("x1", "y1", "x2", "y2")),
     "grasp_1",
     "grasp_2",
+    "grasp_probability",
     *(f"grasp_{end}" for end in ("x1", "y1", "x2", "y2")),
     "seconds",
     "error",

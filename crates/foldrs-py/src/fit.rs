@@ -7,9 +7,11 @@ use foldrs::fit::{
     Looks, Picture,
 };
 use foldrs::hypothesis::Face;
+use foldrs::landmark::Reach;
 use foldrs::matching::claim_axes;
 use foldrs::{Outline, Point};
-use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -94,6 +96,44 @@ impl PyJointExplanation {
     fn surprise(&self) -> f64 {
         self.0.surprise
     }
+
+    #[getter]
+    fn draws(&self) -> usize {
+        self.0.draws.len()
+    }
+
+    fn reach_drawn<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        most: usize,
+    ) -> PyResult<DrawnReach<'py>> {
+        let points = self::points(&points)?;
+        let drawn = crate::interrupt::run(py, || self.0.reach_drawn(&points, most))?;
+        let shape = (drawn.len(), points.len());
+        let each = || drawn.iter().flatten();
+        let numbers = |of: fn(&Reach) -> f64| {
+            Array2::from_shape_vec(shape, each().map(of).collect()).map_err(shape_error)
+        };
+        let places = each().flat_map(|mark| [mark.place.x, mark.place.y]).collect();
+        let places = Array3::from_shape_vec((shape.0, shape.1, 2), places).map_err(shape_error)?;
+        Ok((
+            places.into_pyarray(py),
+            numbers(|mark| mark.off_outline)?.into_pyarray(py),
+            numbers(|mark| mark.to_double_layer)?.into_pyarray(py),
+        ))
+    }
+}
+
+/// Of d draws and k landmarks: places (d, k, 2), distances off the outline and to the double layer, (d, k).
+type DrawnReach<'py> = (
+    Bound<'py, PyArray3<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+);
+
+fn shape_error(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
 }
 
 /// Structure tensors of a picture's colours, their pixels a pixel of the picture, and perhaps those of its heights, all of

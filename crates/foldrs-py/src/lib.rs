@@ -34,7 +34,7 @@ mod _core {
     use super::model::{axis_difference, outline_iou, reflect};
     #[pymodule_export]
     use super::outline::{
-        check_outline, nearest_on_outline, points_at, resample, sides, signed_area, simplify,
+        carried, check_outline, nearest_on_outline, points_at, resample, sides, signed_area, simplify,
     };
     #[pymodule_export]
     use super::partial_match::{partial_matches, piece_difference};

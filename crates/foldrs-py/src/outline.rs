@@ -1,6 +1,7 @@
 //! Stage 0: outlines.
 
-use crate::convert::{array, outline, outline_error};
+use crate::convert::{array, outline, outline_error, vertices};
+use foldrs::landmark::Landmark;
 use foldrs::outline as stage;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::PyValueError;
@@ -22,6 +23,26 @@ type Nearest<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
 );
+
+#[pyfunction]
+pub(crate) fn carried<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    outline: PyReadonlyArray2<'py, f64>,
+    moved: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (outline, moved) = (vertices(&outline)?, vertices(&moved)?);
+    if outline.len() != moved.len() {
+        return Err(PyValueError::new_err(format!(
+            "both outlines must have as many corners, not {} and {}",
+            outline.len(),
+            moved.len()
+        )));
+    }
+    let points = crate::convert::points(&points)?;
+    let carry = |point| Landmark::nearest(&outline, point)?.on(&moved);
+    array(py, &points.iter().filter_map(carry).collect::<Vec<_>>())
+}
 
 #[pyfunction]
 #[pyo3(signature = (points, query))]

@@ -10,6 +10,7 @@ pub mod fold;
 pub mod hypothesis;
 pub mod inner_distance;
 pub mod interrupt;
+pub mod landmark;
 pub mod matching;
 pub mod model;
 pub mod outline;

@@ -261,6 +261,12 @@ pub struct FitParameters {
     pub polish_iterations: usize,
     /// So many of the best fits are drawn onto the outline.
     pub polished: usize,
+    /// So many garments are drawn from what is as likely as each of these fits, to tell how probably a landmark is within
+    /// reach: that probability is then known to 6 %.
+    pub draws: usize,
+    /// Variance of the draws, as a multiple of the fit's: evidence is surer than it should be by so much. With it
+    /// probabilities of reach meet what happens.
+    pub draw_variance: f64,
     /// Longest step of a corner in one iteration.
     pub longest_step: f64,
     /// Directions tried for the template unfolded.
@@ -320,6 +326,8 @@ impl Default for FitParameters {
             polish_noise: 0.3,
             polish_iterations: 6,
             polished: 20,
+            draws: 64,
+            draw_variance: 3.0,
             longest_step: 6.0,
             directions: 12,
             starts: 900,

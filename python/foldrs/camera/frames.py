@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from foldrs.result import FitResult, GraspMove, UnfoldingAction, action_to_dict
+from foldrs.result import FitResult, GraspMove, UnfoldingAction, action_to_dict, plain_probability
 
 Points = npt.NDArray[np.float64]
 
@@ -24,6 +24,8 @@ class PairInFrame:
     landmarks: tuple[str, str]
     points: Points
     """(2, d), in the order of the names."""
+    probability: float | None
+    """Probability that both are within reach; None with method "paper"."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,10 @@ class ResultInFrame:
             creases=tuple(carry(fold.axis_image) for fold in result.folds),
             unfolded_outline=carry(result.unfolded_outline_image),
             landmarks=dict(zip(result.landmarks, carry(marks), strict=True)),
-            grasp_pairs=tuple(PairInFrame(pair.landmarks, carry(pair.image)) for pair in result.grasp_pairs),
+            grasp_pairs=tuple(
+                PairInFrame(pair.landmarks, carry(pair.image), pair.probability)
+                for pair in result.grasp_pairs
+            ),
             unfolding_plan=tuple(carried_unfolding(action, carry) for action in result.unfolding_plan),
         )
 
@@ -79,7 +84,12 @@ class ResultInFrame:
             "unfolded_outline": plain(self.unfolded_outline),
             "landmarks": {name: plain(point) for name, point in self.landmarks.items()},
             "grasp_pairs": [
-                {"landmarks": list(pair.landmarks), "points": plain(pair.points)} for pair in self.grasp_pairs
+                {
+                    "landmarks": list(pair.landmarks),
+                    "points": plain(pair.points),
+                    "probability": plain_probability(pair.probability),
+                }
+                for pair in self.grasp_pairs
             ],
             "unfolding": None if self.unfolding is None else action_to_dict(self.unfolding, digits),
             "unfolding_plan": [action_to_dict(action, digits) for action in self.unfolding_plan],

@@ -92,6 +92,8 @@ class SceneMeasures:
     """Error of every landmark that truly lies on the outline."""
     pair_due: bool = True
     pair_right: bool | None = None
+    pair_said: float | None = None
+    """Probability told for the first grasp pair; None if there is no pair, or none is told."""
     unfolded_iou: float = 0.0
     creases_met: tuple[bool, ...] = ()
     chances: tuple[tuple[float, bool], ...] = ()
@@ -153,6 +155,7 @@ def measure(scene: Scene, prediction: Mapping[str, Any], kind: Kind) -> SceneMea
         folds_found=len(prediction["folds"]),
         segmentation_iou=iou(_points(prediction["outline_image"]), scene.outline_image),
         cost_decrease=_cost_decrease(prediction),
+        pair_said=next((pair.get("probability") for pair in prediction["grasp_pairs"]), None),
         seconds=prediction.get("seconds"),
     )
     if scene.folds == 2:

@@ -15,7 +15,7 @@ EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
 
 @dataclass(frozen=True)
 class Reliability:
-    """Explanations of like probability."""
+    """Explanations, or grasp pairs, of like probability."""
 
     said: float
     """Mean of their probabilities."""
@@ -34,7 +34,21 @@ def reliability(rows: Sequence[SceneMeasures], *, first_only: bool = False) -> l
     first_only : bool
         Look at the chosen explanations only, not at all alternatives.
     """
-    chances = [chance for row in rows for chance in (row.chances[:1] if first_only else row.chances)]
+    return _binned([chance for row in rows for chance in (row.chances[:1] if first_only else row.chances)])
+
+
+def reliability_of_pairs(rows: Sequence[SceneMeasures]) -> list[Reliability]:
+    """Compare the probabilities of the first grasp pairs with what happened, as :func:`reliability` does."""
+    return _binned(
+        [
+            (row.pair_said, row.pair_right)
+            for row in rows
+            if row.pair_said is not None and row.pair_right is not None
+        ]
+    )
+
+
+def _binned(chances: Sequence[tuple[float, bool]]) -> list[Reliability]:
     if not chances:
         return []
     said, right = np.array(chances, dtype=np.float64).T

@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from foldrs.evaluation.measures import SceneMeasures
-from foldrs.evaluation.reliability import reliability
+from foldrs.evaluation.reliability import Reliability, reliability, reliability_of_pairs
 from foldrs.evaluation.tables import Summary, table
 from foldrs.whole_files import write_whole
 
@@ -98,8 +98,7 @@ def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
     for content in text_tables(rows):
         for part in _parts(content, console.width):
             console.print(_rich_table(part))
-    for of, first_only in (("all alternatives", False), ("the chosen explanations", True)):
-        bins = reliability(rows, first_only=first_only)
+    for of, bins in _meanings(rows):
         if not bins:
             continue
         meaning = Table(title=f"Probabilities of {of}: said, and happened", title_justify="left")
@@ -109,6 +108,15 @@ def print_tables(rows: Sequence[SceneMeasures], console: Console) -> None:
         meaning.add_row("right (%)", *(_number(100 * one.happened) for one in bins))
         meaning.add_row("cases", *(str(one.cases) for one in bins))
         console.print(meaning)
+
+
+def _meanings(rows: Sequence[SceneMeasures]) -> tuple[tuple[str, list[Reliability]], ...]:
+    """Tell of what probabilities are told, and what they mean."""
+    return (
+        ("all alternatives", reliability(rows)),
+        ("the chosen explanations", reliability(rows, first_only=True)),
+        ("the first grasp pairs", reliability_of_pairs(rows)),
+    )
 
 
 def write_csv(rows: Sequence[SceneMeasures], path: Path) -> None:
@@ -129,6 +137,7 @@ def write_json(rows: Sequence[SceneMeasures], options: Mapping[str, Any], path: 
         "table": {kind: summary.to_dict() for kind, summary in table(rows).items()},
         "reliability": [asdict(one) for one in reliability(rows)],
         "reliability_of_chosen": [asdict(one) for one in reliability(rows, first_only=True)],
+        "reliability_of_pairs": [asdict(one) for one in reliability_of_pairs(rows)],
         "scenes": [{**_record(row), "landmarks_px": list(row.landmarks_px)} for row in rows],
     }
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False).encode())
@@ -197,6 +206,7 @@ def _record(row: SceneMeasures) -> dict[str, Any]:
         "landmark_cm": float(np.mean(row.landmarks_cm)) if row.landmarks_cm else None,
         "pair_due": row.pair_due,
         "pair_right": row.pair_right,
+        "pair_said": row.pair_said,
         "unf_iou": row.unfolded_iou,
         "folds": row.folds,
         "folds_found": row.folds_found,

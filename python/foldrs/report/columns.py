@@ -52,6 +52,7 @@ _OF_RESULTS: tuple[tuple[Column, Callable[[FitResult], Value]], ...] = (
     (Column("kind", "kind"), lambda r: r.garment_type),
     (Column("probability", "probability (%)", 0), lambda r: _percent(_probability(r))),
     (Column("pair", "grasp pair"), lambda r: _pair(r)),
+    (Column("in_reach", "in reach (%)", 0), lambda r: _percent(_in_reach(r))),
     (Column("cost", "matching cost", 3), lambda r: r.matching_cost),
     (Column("seconds", "seconds", 2), lambda r: r.seconds),
 )
@@ -94,6 +95,10 @@ def _finite(value: Value) -> Value:
 
 def _pair(result: FitResult) -> str:
     return " + ".join(result.grasp_pairs[0].landmarks) if result.grasp_pairs else "none in reach"
+
+
+def _in_reach(result: FitResult) -> float | None:
+    return result.grasp_pairs[0].probability if result.grasp_pairs else None
 
 
 def _probability(result: FitResult) -> float | None:

@@ -11,6 +11,7 @@
 //! integrated out (Laplace's approximation), not by residual: a template with more corners does not win for its
 //! freedom.
 
+mod draw;
 mod explain;
 mod field;
 mod flap;
@@ -28,7 +29,7 @@ mod stack;
 mod view;
 mod way;
 
-pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
+pub use explain::{explain_from, explain_jointly, Draw, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
 pub use picture::{Looks, Picture, PictureEvidence};
 pub use shape::FlexibleTemplate;

@@ -123,6 +123,7 @@ impl FitParameters {
             ("bend", self.bend),
             ("bare", self.bare),
             ("alike", self.alike),
+            ("draw_variance", self.draw_variance),
         ] {
             group.not_negative(name, value)?;
         }
