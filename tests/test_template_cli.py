@@ -277,3 +277,42 @@ def test_check_tells_good_from_bad(tmp_path: Path) -> None:
 def test_list_names_every_built_in_template() -> None:
     listed = foldrs("list").output.splitlines()
     assert [line.split()[0] for line in listed] == [template.name for template in builtin_templates()]
+
+
+class TestCheck:
+    def test_nothing_is_told_of_what_is_symmetric(self, tmp_path: Path) -> None:
+        save_template(SHIRT, tmp_path / "shirt.json")
+        done = foldrs("check", tmp_path / "shirt.json")
+        assert done.exit_code == 0, done.output
+        assert "symmetry" not in done.output
+
+    def test_pairs_that_do_not_mirror_each_other_are_named(self, tmp_path: Path) -> None:
+        swapped = {"hem_left": "armpit_left", "armpit_left": "hem_left"}
+        pairs = [[swapped.get(a, a), b] for a, b in SHIRT.symmetry]
+        path = tmp_path / "shirt.json"
+        path.write_text(json.dumps({**SHIRT.to_dict(), "symmetry": pairs}))
+        done = foldrs("check", path)
+        assert done.exit_code == 0, done.output
+        told = [line for line in done.output.splitlines() if "symmetry" in line]
+        for pair in (("armpit_left", "hem_right"), ("hem_left", "armpit_right")):
+            assert any(" and ".join(pair) in line for line in told)
+            assert load_template(path).crooked_pairs()[pair] > 20.0
+
+    def test_without_pairs_there_is_nothing_to_tell(self, tmp_path: Path) -> None:
+        path = tmp_path / "shirt.json"
+        path.write_text(json.dumps({**SHIRT.to_dict(), "symmetry": []}))
+        assert "symmetry" not in foldrs("check", path).output
+        assert load_template(path).crooked_pairs() == {}
+
+    def test_a_point_on_the_axis_alone_tells_no_axis(self, tmp_path: Path) -> None:
+        path = tmp_path / "shirt.json"
+        path.write_text(json.dumps({**SHIRT.to_dict(), "symmetry": [["hem_left", "hem_left"]]}))
+        done = foldrs("check", path)
+        assert done.exit_code == 0, done.output
+        assert "no mirror axis" in done.output
+
+
+@pytest.mark.parametrize("template", builtin_templates(), ids=lambda one: one.name)
+def test_built_in_templates_mirror_themselves(template: Any) -> None:
+    assert template.symmetry
+    assert template.crooked_pairs() == {}

@@ -38,6 +38,7 @@ __all__ = [
     "fold_stack",
     "inner_distances",
     "matching_costs",
+    "mirrorings",
     "nearest_on_outline",
     "outline_iou",
     "partial_matches",
@@ -397,6 +398,23 @@ class FlexibleTemplate:
 
         `spread` says, one value a vertex, how far each may lie from its place; else `shape` does.
         """
+
+def mirrorings(outline: _Points, mirror_from: _Points, mirror_to: _Points) -> list[tuple[float, bool]]:
+    """How nearly pairs of a template's points mirror each other over the axis that fits all of them best.
+
+    Returns
+    -------
+    list of (float, bool)
+        Of every pair the distance of either from the other's mirror image, and whether that is so little that
+        the joint fit holds corners there alike.
+
+    Raises
+    ------
+    InvalidOutlineError
+        If `outline` is none.
+    ValueError
+        If an array is of another shape than (n, 2), or a point has no partner.
+    """
 
 @final
 class JointExplanation:

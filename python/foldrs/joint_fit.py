@@ -77,9 +77,7 @@ def explanation(template: Template, fit: _core.JointExplanation, unfolded: float
 
 def flexible_template(template: Template, parameters: Mapping[str, Any]) -> _core.FlexibleTemplate:
     """Prepare a template for the crate, with the mirror pairs among its landmarks."""
-    marks = template.landmarks
-    one = np.array([marks[a] for a, _ in template.symmetry]).reshape(-1, 2)
-    other = np.array([marks[b] for _, b in template.symmetry]).reshape(-1, 2)
+    one, other = template.mirror_pairs
     return _core.FlexibleTemplate(template.outline, one, other, parameters, vertex_spreads(template))
 
 

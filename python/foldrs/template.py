@@ -135,6 +135,41 @@ class Template:
         """Area inside the outline, in square units."""
         return abs(float(_core.signed_area(self.outline)))
 
+    @property
+    def mirror_pairs(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """The landmarks of every symmetric pair: (k, 2) the first ones, (k, 2) the others."""
+        one, other = (
+            np.array([self.landmarks[pair[side]] for pair in self.symmetry], dtype=np.float64).reshape(-1, 2)
+            for side in (0, 1)
+        )
+        return one, other
+
+    def crooked_pairs(self) -> dict[tuple[str, str], float]:
+        """Find the symmetric pairs that do not mirror each other, and by how much.
+
+        The joint fit holds the two corners of a pair alike only where they do so within 2 % of the garment's
+        size: of names interchanged by mistake, or a template traced of a garment that lies crooked, it knows
+        nothing of the symmetry, and left and right are no longer the same to it.
+
+        Returns
+        -------
+        dict of (str, str) to float
+            Distance of either landmark from the other's mirror image, over the axis that fits all pairs
+            best, in template units; infinite if the pairs tell no axis. Empty if all is well.
+
+        Examples
+        --------
+        >>> towel = builtin_templates("towel")[0]
+        >>> towel.crooked_pairs()
+        {}
+        >>> from dataclasses import replace
+        >>> wrong = replace(towel, symmetry=(("corner_1", "corner_3"), ("corner_2", "corner_4")))
+        >>> len(wrong.crooked_pairs())
+        2
+        """
+        told = _core.mirrorings(self.outline, *self.mirror_pairs)
+        return {pair: off for pair, (off, held) in zip(self.symmetry, told, strict=True) if not held}
+
     @classmethod
     def from_dict(cls, data: object, *, name: str) -> Template:
         """Make a template of the content of a template file.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -44,13 +45,18 @@ def list_command() -> None:
 @template_group.command("check")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE...")
 def check_command(files: tuple[Path, ...]) -> None:
-    """Check template FILEs; what is wrong is told by field, and the exit status is 1 then."""
+    """Check template FILEs; what is wrong is told by field, and the exit status is 1 then.
+
+    Symmetric pairs that do not mirror each other are told as well: the fit makes nothing of them.
+    """
     from foldrs.template import load_template
 
     failed = 0
     for file in files:
         try:
-            click.echo(f"{file}: {_line(load_template(file))}")
+            template = load_template(file)
+            click.echo(f"{file}: {_line(template)}")
+            _tell_crooked(template)
         except FoldrsError as error:
             failed += 1
             click.secho(str(error), fg="red", err=True)
@@ -302,6 +308,20 @@ def _named(file: Path, files: int) -> Iterator[None]:
         if files == 1:
             raise
         raise click.ClickException(f"{file}: {error}") from error
+
+
+def _tell_crooked(template: Template) -> None:
+    """Tell the symmetric pairs that the fit makes nothing of."""
+    crooked = template.crooked_pairs()
+    for pair, off in crooked.items():
+        by = (
+            f"{off:.1f} {template.units} from mirroring each other" if off < math.inf else "of no mirror axis"
+        )
+        click.secho(f"  symmetry: {' and '.join(pair)} are {by}, and not held alike", fg="yellow")
+    if crooked:
+        click.echo(
+            "  Are these the right pairs? Of a garment that lay crooked --symmetric makes a straight one"
+        )
 
 
 def _line(template: Template) -> str:

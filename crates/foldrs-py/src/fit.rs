@@ -31,11 +31,7 @@ impl PyFlexibleTemplate {
         parameters: &Bound<'_, PyAny>,
         spread: Option<Vec<f64>>,
     ) -> PyResult<Self> {
-        let (from, to) = (points(&mirror_from)?, points(&mirror_to)?);
-        if from.len() != to.len() {
-            return Err(PyValueError::new_err("every mirrored point needs its partner"));
-        }
-        let pairs: Vec<[Point; 2]> = from.into_iter().zip(to).map(|(a, b)| [a, b]).collect();
+        let pairs = mirror_pairs(&mirror_from, &mirror_to)?;
         let parameters = crate::matching::parameters(parameters)?;
         let outline = self::outline(&outline)?;
         let prepared = py.detach(|| {
@@ -49,6 +45,29 @@ impl PyFlexibleTemplate {
             .map(Self)
             .ok_or_else(|| PyValueError::new_err("spreads must be positive, one a vertex of the outline"))
     }
+}
+
+/// How far pairs of points that are meant to mirror each other are from it, and whether the joint fit holds them alike.
+#[pyfunction]
+pub(crate) fn mirrorings(
+    outline: PyReadonlyArray2<'_, f64>,
+    mirror_from: PyReadonlyArray2<'_, f64>,
+    mirror_to: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<(f64, bool)>> {
+    let pairs = mirror_pairs(&mirror_from, &mirror_to)?;
+    let told = foldrs::fit::mirrorings(&self::outline(&outline)?, &pairs);
+    Ok(told.iter().map(|pair| (pair.off, pair.held)).collect())
+}
+
+fn mirror_pairs(
+    from: &PyReadonlyArray2<'_, f64>,
+    to: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<[Point; 2]>> {
+    let (from, to) = (points(from)?, points(to)?);
+    if from.len() != to.len() {
+        return Err(PyValueError::new_err("every mirrored point needs its partner"));
+    }
+    Ok(from.into_iter().zip(to).map(|(a, b)| [a, b]).collect())
 }
 
 /// A template fitted jointly with its crease.

@@ -21,7 +21,9 @@ mod _core {
     #[pymodule_export]
     use super::alignment::{align, alignment_costs};
     #[pymodule_export]
-    use super::fit::{fit_jointly, fit_known, PyFlexibleTemplate, PyJointExplanation, PyJointFits};
+    use super::fit::{
+        fit_jointly, fit_known, mirrorings, PyFlexibleTemplate, PyJointExplanation, PyJointFits,
+    };
     #[pymodule_export]
     use super::fold::{fold_layers, FoldedLayers};
     #[pymodule_export]

@@ -32,7 +32,7 @@ mod way;
 pub use explain::{explain_from, explain_jointly, Draw, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
 pub use picture::{Looks, Picture, PictureEvidence};
-pub use shape::FlexibleTemplate;
+pub use shape::{mirrorings, FlexibleTemplate, Mirroring};
 pub use solve::{JointFit, Start};
 
 use self::picture::Sight;

@@ -6,6 +6,48 @@ use crate::registration::PlaneMap;
 use crate::{Point, Vector};
 use nalgebra::{DMatrix, DVector, Matrix2};
 
+/// How far a corner may lie from its partner's mirror image to be held alike, as a share of the square root of the
+/// template's area: a centimetre of a shirt, more than hands and tracing leave of a symmetric template.
+const MIRRORED: f64 = 0.02;
+
+/// How nearly two points of a template mirror each other over the axis that fits all its pairs best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Mirroring {
+    /// Distance of either point from the mirror image of the other, in the template's units.
+    pub off: f64,
+    /// Whether that is so little that the joint fit holds corners there alike.
+    pub held: bool,
+}
+
+/// How nearly the pairs of a template's points that are meant to mirror each other do so; infinitely far off if they tell
+/// no axis.
+///
+/// ```
+/// use foldrs::{fit::mirrorings, Outline, Point};
+/// let corners = [[0.0, 0.0], [40.0, 0.0], [50.0, 30.0], [-10.0, 30.0]];
+/// let outline = Outline::try_from(&corners[..])?;
+/// let [a, b, c, d] = corners.map(|[x, y]| Point::new(x, y));
+/// assert!(mirrorings(&outline, &[[a, b], [c, d]]).iter().all(|pair| pair.held));
+/// assert!(!mirrorings(&outline, &[[a, c], [b, d]]).iter().any(|pair| pair.held));
+/// # Ok::<(), foldrs::OutlineError>(())
+/// ```
+#[must_use]
+pub fn mirrorings(outline: &Outline, pairs: &[[Point; 2]]) -> Vec<Mirroring> {
+    let (map, unit) = (mirror_map(pairs), outline.signed_area().abs().sqrt());
+    let told = pairs.iter().map(|[a, b]| {
+        let off = map
+            .as_ref()
+            .map_or(f64::INFINITY, |map| (map.apply(a) - b).norm());
+        Mirroring {
+            off,
+            held: off <= MIRRORED * unit,
+        }
+    });
+    told.collect()
+}
+
 /// A template's corners about their centre, and the precision of their displacements.
 ///
 /// Three things are expected of a real garment, in the template's units: its corners lie near the template's; short
@@ -63,7 +105,7 @@ impl FlexibleTemplate {
         let asymmetry = (parameters.asymmetry * unit).powi(-2);
         let mut mirrors = Vec::new();
         if let Some(map) = mirror_map(mirror) {
-            let tolerance = 0.02 * unit;
+            let tolerance = MIRRORED * unit;
             let pairs = mirror_vertices(points, &map, tolerance);
             add_mirrored(&mut precision, &pairs, &map, asymmetry);
             mirrors.push(pairs);
