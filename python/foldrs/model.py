@@ -117,24 +117,22 @@ class FoldedModel:
         """The template's grasp pairs of which both points are accessible.
 
         The most probable ones come first, else those with ample room, for where layers end is not known to
-        the centimetre; of equal ones the order is the template's order of preference.
+        the centimetre; of ones about as good the order is the template's order of preference.
         """
         marks = self.landmarks
-        within_reach = [
-            (a, b)
+        pairs = [
+            GraspPair(
+                (a, b),
+                np.array([marks[a].image, marks[b].image]),
+                None if self.reach is None else self.reach.of(a, b),
+            )
             for a, b in self.explanation.template.grasp_pairs
             if marks[a].accessible and marks[b].accessible
         ]
         if self.reach is not None:
-            chance = {pair: self.reach.of(*pair) for pair in within_reach}
-            within_reach.sort(key=lambda pair: -chance[pair])  # stable
-            return tuple(
-                GraspPair((a, b), np.array([marks[a].image, marks[b].image]), chance[a, b])
-                for a, b in within_reach
-            )
+            return _ranked(pairs, self.parameters.as_good)
         ample = dict(zip(marks, self._clear_by(self.parameters.ample), strict=True))
-        within_reach.sort(key=lambda pair: not (ample[pair[0]] and ample[pair[1]]))  # stable
-        return tuple(GraspPair((a, b), np.array([marks[a].image, marks[b].image])) for a, b in within_reach)
+        return tuple(sorted(pairs, key=lambda pair: not all(ample[name] for name in pair.landmarks)))
 
     @cached_property
     def unfolding(self) -> UnfoldingAction | None:
@@ -175,6 +173,17 @@ class FoldedModel:
         """Distance of a landmark from the crease's line, px."""
         pick = self.landmarks[name].image
         return float(np.linalg.norm(_core.reflect(pick[None], crease)[0] - pick)) / 2.0
+
+
+def _ranked(pairs: Sequence[GraspPair], as_good: float) -> tuple[GraspPair, ...]:
+    """Put the most probable pairs first; of what is left those about as good as the best as they stand."""
+    ranked: list[GraspPair] = []
+    left = [(pair, pair.probability or 0.0) for pair in pairs]
+    while left:
+        least = max(probability for _, probability in left) - as_good
+        ranked += [pair for pair, probability in left if probability >= least]
+        left = [(pair, probability) for pair, probability in left if probability < least]
+    return tuple(ranked)
 
 
 def turns_at(outline: Points, points: Points, arm: float) -> NDArray[np.float64]:

@@ -30,7 +30,7 @@ class Reach:
     names: tuple[str, ...]
     """The k landmarks."""
     weights: NDArray[np.float64]
-    """(d,) probability of every garment drawn; they sum to 1."""
+    """(d,) probability of every garment drawn; the sum is 1, or less where draws do not fold."""
     within: NDArray[np.bool_]
     """(d, k) whether a gripper would reach the landmark of that garment where it is told to lie."""
 

@@ -186,8 +186,8 @@ class FitResult:
     landmarks: Mapping[str, LandmarkInImage]
     """Where every landmark of the template lies, by its name, in the template's order."""
     grasp_pairs: tuple[GraspPair, ...]
-    """Accessible pairs, best first: the most probable ones, of equally probable ones those that the template
-    lists first."""
+    """Accessible pairs, best first: the most probable ones, of about equally probable ones
+    (`GraspParameters.as_good`) those that the template lists first."""
     unfolding: UnfoldingAction | None
     """How to undo the last fold; None if there is none."""
     unfolding_plan: tuple[UnfoldingAction, ...]
