@@ -55,13 +55,13 @@ class FoldedModel:
         Accessible: on the folded outline, and no double layer within a radius; among several explanations, if
         that is probable enough over all of them.
         """
-        names = self._places
+        places = self._places
         if self.reach is None:
             within = self._clear_by(self.parameters.clearance) & self._visible
-            return {n: LandmarkInImage(p, bool(w)) for (n, p), w in zip(names.items(), within, strict=True)}
-        chances = {name: self.reach.of(name) for name in names}
+            return {n: LandmarkInImage(p, bool(w)) for (n, p), w in zip(places.items(), within, strict=True)}
+        chances = {name: self.reach.of(name) for name in places}
         likely = self.parameters.likely
-        return {n: LandmarkInImage(p, chances[n] >= likely, chances[n]) for n, p in names.items()}
+        return {n: LandmarkInImage(p, chances[n] >= likely, chances[n]) for n, p in places.items()}
 
     @cached_property
     def reach(self) -> Reach | None:

@@ -367,7 +367,7 @@ class JointFitParameters:
     landmark is within reach: that probability is then known to 6 %."""
     draw_variance: float = 3.0
     """Variance of the draws, as a multiple of the fit's: evidence is surer than it should be by so much (see
-    `AlternativeParameters.nats`). With it probabilities of reach meet what happens."""
+    `AlternativeParameters.nats`); docs/reliability.md tells what probabilities of reach are worth with it."""
     longest_step: float = 6.0
     """Longest step of a corner in one iteration."""
     directions: int = 12
@@ -510,13 +510,13 @@ class GraspParameters:
     """Template units (cm): so far from a landmark a gripper may close and still hold the garment by it; the
     paper's margin."""
     likely: float = 0.3
-    """Probability of being within reach from which on a landmark counts as accessible. At 0.5 one in ten
-    garments, those in halves mostly, had no grasp pair at all, though some would have worked."""
+    """Probability of being within reach from which on a landmark counts as accessible. With 0.5 the first
+    grasp pair is right less often, by two or three in a hundred: some garments are told none."""
     as_good: float = 0.04
     """Of grasp pairs less probable than the best by no more than this the template's order decides: from 64
     draws a probability near 1 is not known better (two standard errors), and a natural pair unfolds the
-    garment best. At 0 six in ten of the pairs told first are natural ones, at 0.02 to 0.05 over eight, and as
-    many work."""
+    garment best. At 0 six in ten of the pairs told first are natural ones, at 0.02 to 0.05 eight, and nearly
+    as many work."""
     ample: float = 6.0
     """Template units (cm): of the published method, which tells no probabilities, grasp pairs with no double
     layer this near to either landmark are preferred. Where a hidden layer ends is known to a few centimetres;

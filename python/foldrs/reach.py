@@ -16,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from foldrs import _core
 from foldrs.explanation import Explanation, Points
 from foldrs.parameters import GraspParameters
 
@@ -66,16 +67,19 @@ def reach_over(
     Reach or None
         None if there is nothing to be drawn from: no landmark, or explanations of the published method.
     """
+    if not told:
+        return None
     names, places = tuple(told), np.array(list(told.values()))
     total = sum(probability for _, probability in explanations)
     weights: list[NDArray[np.float64]] = []
     within: list[NDArray[np.bool_]] = []
     for explanation, probability in explanations:
-        if not names or explanation.joint is None:
+        joint = explanation.joint
+        if joint is None:
             return None
         # Draws come in pairs about the fit; of an improbable explanation fewer do.
-        most = 2 * math.ceil(explanation.joint.draws * probability / total / 2)
-        reached = _reached(explanation, names, places, px_per_unit, parameters, max(1, most))
+        most = 2 * math.ceil(joint.draws * probability / total / 2)
+        reached = _reached(explanation, joint, max(1, most), names, places, px_per_unit, parameters)
         if reached.shape[0]:
             weights.append(np.full(reached.shape[0], probability / total / reached.shape[0]))
             within.append(reached)
@@ -84,18 +88,19 @@ def reach_over(
 
 def _reached(
     explanation: Explanation,
+    joint: _core.JointExplanation,
+    most: int,
     names: tuple[str, ...],
     places: Points,
     px_per_unit: float,
     parameters: GraspParameters,
-    most: int,
 ) -> NDArray[np.bool_]:
-    """(d, k) whether the landmarks are within reach, of every garment drawn from one explanation."""
+    """(d, k) whether the landmarks are within reach, of up to so many garments drawn from one explanation."""
     marks, template, p = explanation.fitted.landmarks, explanation.template, parameters
-    if explanation.joint is None or set(names) != set(marks):
+    if set(names) != set(marks):
         return np.zeros((1, len(names)), dtype=np.bool_)
     points = np.array([marks[name] for name in names])
-    lying, off_outline, to_double_layer = explanation.joint.reach_drawn(points, most)
+    lying, off_outline, to_double_layer = joint.reach_drawn(points, most)
     reachable = (to_double_layer > p.clearance * px_per_unit) & (off_outline <= p.on_outline * px_per_unit)
 
     # Left and right cannot be told apart: the garment's mirror twin is the same explanation.

@@ -7,11 +7,9 @@ use foldrs::fit::{
     Looks, Picture,
 };
 use foldrs::hypothesis::Face;
-use foldrs::landmark::Reach;
 use foldrs::matching::claim_axes;
 use foldrs::{Outline, Point};
-use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, ToPyArray};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -129,17 +127,15 @@ impl PyJointExplanation {
     ) -> PyResult<DrawnReach<'py>> {
         let points = self::points(&points)?;
         let drawn = crate::interrupt::run(py, || self.0.reach_drawn(&points, most))?;
-        let shape = (drawn.len(), points.len());
+        let shape = [drawn.len(), points.len()];
         let each = || drawn.iter().flatten();
-        let numbers = |of: fn(&Reach) -> f64| {
-            Array2::from_shape_vec(shape, each().map(of).collect()).map_err(shape_error)
-        };
-        let places = each().flat_map(|mark| [mark.place.x, mark.place.y]).collect();
-        let places = Array3::from_shape_vec((shape.0, shape.1, 2), places).map_err(shape_error)?;
+        let places: Vec<f64> = each().flat_map(|mark| [mark.place.x, mark.place.y]).collect();
+        let off_outline: Vec<f64> = each().map(|mark| mark.off_outline).collect();
+        let to_double_layer: Vec<f64> = each().map(|mark| mark.to_double_layer).collect();
         Ok((
-            places.into_pyarray(py),
-            numbers(|mark| mark.off_outline)?.into_pyarray(py),
-            numbers(|mark| mark.to_double_layer)?.into_pyarray(py),
+            places.to_pyarray(py).reshape([shape[0], shape[1], 2])?,
+            off_outline.to_pyarray(py).reshape(shape)?,
+            to_double_layer.to_pyarray(py).reshape(shape)?,
         ))
     }
 }
@@ -150,10 +146,6 @@ type DrawnReach<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
 );
-
-fn shape_error(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
 
 /// Structure tensors of a picture's colours, their pixels a pixel of the picture, and perhaps those of its heights, all of
 /// one shape (h, w, 3); the looks of the cloth, their pixels a pixel of the picture, and where in it the first one lies.

@@ -1,7 +1,7 @@
 //! Landmarks: carried along when an outline's corners move (section 3.1), and how well a gripper can reach them on the
 //! folded garment (section 3.2).
 
-use crate::outline::foot;
+use crate::outline::nearest_edge;
 use crate::stack::fold_stack;
 use crate::{FoldError, Outline, Point, Segment};
 
@@ -28,27 +28,17 @@ impl Landmark {
     /// ```
     #[must_use]
     pub fn nearest(corners: &[Point], q: &Point) -> Option<Self> {
-        let on_edge = |edge: usize| {
-            let [a, b] = edge_of(corners, edge);
-            let share = foot(&[a, b], q).clamp(0.0, 1.0);
-            (Self { edge, share }, (a + (b - a) * share - q).norm())
-        };
-        let edges = (0..corners.len()).map(on_edge);
-        edges.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(mark, _)| mark)
+        let (edge, share, _) = nearest_edge(corners, q);
+        (!corners.is_empty()).then_some(Self { edge, share })
     }
 
     /// Where it lies on the outline of a polygon with as many corners; `None` if that has no such edge.
     #[must_use]
     pub fn on(&self, corners: &[Point]) -> Option<Point> {
-        (self.edge < corners.len()).then(|| {
-            let [a, b] = edge_of(corners, self.edge);
-            a + (b - a) * self.share
-        })
+        let from = corners.get(self.edge)?;
+        let to = corners[(self.edge + 1) % corners.len()];
+        Some(from + (to - from) * self.share)
     }
-}
-
-fn edge_of(corners: &[Point], edge: usize) -> Segment {
-    [corners[edge], corners[(edge + 1) % corners.len()]]
 }
 
 /// Where folding puts a landmark, and what a gripper finds there.

@@ -235,25 +235,13 @@ impl Outline {
     /// The point of the outline nearest to `q`.
     #[must_use]
     pub fn nearest(&self, q: &Point) -> Nearest {
-        let mut best = Nearest {
-            point: self.points[0],
-            distance: f64::INFINITY,
-            arc: 0.0,
-        };
-        for i in 0..self.points.len() {
-            let [a, b] = self.edge(i);
-            let t = foot(&[a, b], q).clamp(0.0, 1.0);
-            let point = a + (b - a) * t;
-            let distance = (q - point).norm();
-            if distance < best.distance {
-                best = Nearest {
-                    point,
-                    distance,
-                    arc: self.arc[i] + t * (self.arc[i + 1] - self.arc[i]),
-                };
-            }
+        let (edge, share, distance) = nearest_edge(&self.points, q);
+        let [a, b] = self.edge(edge);
+        Nearest {
+            point: a + (b - a) * share,
+            distance,
+            arc: self.arc[edge] + share * (self.arc[edge + 1] - self.arc[edge]),
         }
-        best
     }
 
     /// Whether `q` lies inside (even-odd rule; on the outline itself either answer may come).
@@ -324,6 +312,21 @@ pub(crate) fn foot(segment: &Segment, q: &Point) -> f64 {
     } else {
         0.0
     }
+}
+
+/// The edge of a closed polygon nearest to `q`, where on it as a share of its length, and how far off that is; infinitely
+/// far without corners.
+pub(crate) fn nearest_edge(corners: &[Point], q: &Point) -> (usize, f64, f64) {
+    let mut best = (0, 0.0, f64::INFINITY);
+    for (edge, a) in corners.iter().enumerate() {
+        let b = corners[(edge + 1) % corners.len()];
+        let share = foot(&[*a, b], q).clamp(0.0, 1.0);
+        let distance = (q - (a + (b - a) * share)).norm();
+        if distance < best.2 {
+            best = (edge, share, distance);
+        }
+    }
+    best
 }
 
 pub(crate) fn distance_to_segment(segment: &Segment, q: &Point) -> f64 {

@@ -264,8 +264,7 @@ pub struct FitParameters {
     /// So many garments are drawn from what is as likely as each of these fits, to tell how probably a landmark is within
     /// reach: that probability is then known to 6 %.
     pub draws: usize,
-    /// Variance of the draws, as a multiple of the fit's: evidence is surer than it should be by so much. With it
-    /// probabilities of reach meet what happens.
+    /// Variance of the draws, as a multiple of the fit's: evidence is surer than it should be by so much.
     pub draw_variance: f64,
     /// Longest step of a corner in one iteration.
     pub longest_step: f64,

@@ -1,13 +1,13 @@
 //! The joint fit of all templates to a seen outline, from the claims about its axis to explanations.
 
+use super::draw::{self, Draw};
 use super::picture::{Picture, PictureEvidence, Sight};
 use super::{
-    draw, fit_starts, fit_unfolded, flap, stack, start_from, start_over, FlexibleTemplate, JointFit,
-    SeenField, Start,
+    fit_starts, fit_unfolded, flap, stack, start_from, start_over, FlexibleTemplate, JointFit, SeenField,
+    Start,
 };
 use crate::crease::Axis;
 use crate::hypothesis::Face;
-use crate::landmark::{reach, Landmark, Reach};
 use crate::matching::{Claim, Seen};
 use crate::parameters::{FitParameters, Parameters};
 use crate::registration::PlaneMap;
@@ -44,64 +44,7 @@ pub struct JointExplanation {
     pub draws: Vec<Draw>,
 }
 
-/// A garment as it may lie as well, in the units of the explanation it belongs to.
-#[derive(Debug, Clone)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Draw {
-    /// Corners of the garment unfolded, its kept part where it lies, in seen units, in the order of the template given.
-    pub outline: Vec<Point>,
-    /// The creases, first made first; the flap was on their left.
-    pub creases: Vec<Segment>,
-}
-
-impl Draw {
-    fn of(told: &JointExplanation) -> Self {
-        let corners = told.outline.iter();
-        Self {
-            outline: corners.map(|corner| told.to_seen.apply(corner)).collect(),
-            creases: told.creases.clone(),
-        }
-    }
-
-    /// The same with what is turned over and what is kept interchanged.
-    fn other_way_round(mut self) -> Option<Self> {
-        let crease = Axis::new(self.creases.first()?).ok()?;
-        for corner in &mut self.outline {
-            *corner = crease.reflect(corner);
-        }
-        Some(self)
-    }
-}
-
 impl JointExplanation {
-    /// How well a gripper reaches points of the fitted template's outline in up to so many of the draws, in seen units.
-    /// Draws that do not fold are left out; without draws it is the fitted garment itself.
-    ///
-    /// `points` are in template units, on [`JointExplanation::outline`].
-    #[must_use]
-    pub fn reach_drawn(&self, points: &[Point], most: usize) -> Vec<Vec<Reach>> {
-        let marks: Vec<Landmark> = points
-            .iter()
-            .filter_map(|p| Landmark::nearest(&self.outline, p))
-            .collect();
-        let reached = |draw: &Draw| {
-            let places: Option<Vec<Point>> = marks.iter().map(|mark| mark.on(&draw.outline)).collect();
-            let outline = Outline::new(draw.outline.clone()).ok()?;
-            reach(&outline, &draw.creases, &places?).ok()
-        };
-        let own = [Draw::of(self)];
-        let draws = if self.draws.is_empty() {
-            &own
-        } else {
-            self.draws.as_slice()
-        };
-        parallel::map(&draws[..most.min(draws.len())], reached)
-            .into_iter()
-            .flatten()
-            .collect()
-    }
-
     /// The same with what is turned over and what is kept interchanged: folded, both look and lie the same.
     fn other_way_round(mut self) -> Option<Self> {
         let crease = Axis::new(self.creases.first()?).ok()?;
@@ -112,8 +55,6 @@ impl JointExplanation {
         };
         self.axes.iter_mut().for_each(|axis| axis.reverse());
         self.picture.flap_on_top = -self.picture.flap_on_top;
-        let draws = std::mem::take(&mut self.draws).into_iter();
-        self.draws = draws.filter_map(Draw::other_way_round).collect();
         Some(self)
     }
 }
@@ -393,36 +334,43 @@ impl<'a> Search<'a> {
         } else {
             0.0
         };
-        let told = |&(k, (t, fit)): &(usize, &(usize, JointFit))| {
-            let template = &self.templates[*t];
-            let explained =
-                |fit: &JointFit| explanation(*t, template, fit, self.working, self.scale.is_some());
-            let told = explained(fit)?;
-            let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
-            let told = JointExplanation {
-                surprise: told.surprise + choice + flap::surprise(&shares, p.flap),
-                turned: flap::smaller(&shares).sum(),
-                draws: if k < p.polished {
-                    let drawn = draw::drawn(&self.field, template, fit, p);
-                    drawn
-                        .iter()
-                        .filter_map(explained)
-                        .map(|told| Draw::of(&told))
-                        .collect()
-                } else {
-                    Vec::new()
-                },
-                ..told
-            };
-            match shares[..] {
-                [turned] if turned > 0.5 => told.other_way_round(),
-                _ => Some(told),
-            }
-        };
-        let fits: Vec<(usize, &(usize, JointFit))> = fits.iter().enumerate().collect();
-        let mut told: Vec<JointExplanation> = parallel::map(&fits, told).into_iter().flatten().collect();
+        // Only the first few are ever told in full.
+        let fits: Vec<(bool, &(usize, JointFit))> = fits
+            .iter()
+            .enumerate()
+            .map(|(k, fit)| (k < p.polished, fit))
+            .collect();
+        let told = parallel::map(&fits, |(drawn, (t, fit))| self.explained(*t, fit, choice, *drawn));
+        let mut told: Vec<JointExplanation> = told.into_iter().flatten().collect();
         told.sort_by(|a, b| a.surprise.total_cmp(&b.surprise));
         told
+    }
+
+    /// A fit as an explanation that costs so much more, with garments drawn from what is as likely or without.
+    fn explained(&self, t: usize, fit: &JointFit, choice: f64, drawn: bool) -> Option<JointExplanation> {
+        let (template, p) = (&self.templates[t], &self.parameters);
+        let shares = flap::shares(&fit.ring, &fit.creases, p.covered).unwrap_or_default();
+        let interchanged = matches!(shares[..], [turned] if turned > 0.5);
+        let told = |fit: &JointFit| {
+            let told = explanation(t, template, fit, self.working, self.scale.is_some())?;
+            if interchanged {
+                told.other_way_round()
+            } else {
+                Some(told)
+            }
+        };
+        let one = told(fit)?;
+        let draws = if drawn {
+            draw::drawn(&self.field, template, fit, p)
+        } else {
+            Vec::new()
+        };
+        Some(JointExplanation {
+            surprise: one.surprise + choice + flap::surprise(&shares, p.flap),
+            turned: flap::smaller(&shares).sum(),
+            draws: draws.iter().filter_map(told).map(|one| Draw::of(&one)).collect(),
+            ..one
+        })
     }
 }
 

@@ -29,7 +29,8 @@ mod stack;
 mod view;
 mod way;
 
-pub use explain::{explain_from, explain_jointly, Draw, FoldCount, JointExplanation, JointFits, KnownFold};
+pub use draw::Draw;
+pub use explain::{explain_from, explain_jointly, FoldCount, JointExplanation, JointFits, KnownFold};
 pub use field::SeenField;
 pub use picture::{Looks, Picture, PictureEvidence};
 pub use shape::{mirrorings, FlexibleTemplate, Mirroring};
